@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 import unicodedata
+from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -19,9 +20,10 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.layout import split_text
 from paint3d.core.arrays import AnyArray
+from paint3d.errors import InputError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare
-from paint3d.mesh.sheet_mesh import fan_of, make_sheet, sheet_of, writing_areas
+from paint3d.mesh.sheet_mesh import fan_of, make_sheet, paper_bounds, sheet_of, writing_areas
 from paint3d.mesh.sheets import Sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
@@ -30,6 +32,7 @@ __all__ = ["Composition", "Signing", "compose", "lines_of", "place_on", "seal_be
 _GAP, _BETWEEN = 0.02, 0.0  # ems: the least between columns, and between characters of one
 _BARE = 0.09  # ems on either side of a character that its ink leaves bare: they may lie in margins
 _MOST_GAP, _MOST_BETWEEN = 0.45, 0.32
+_LEAST_MM = 4.0  # the smallest characters that a text is composed in
 _LARGEST = 0.8  # of a sheet's shorter side: a character's square
 _AT_HEAD = 1.4  # margins above and below, over those at the sides, on a sheet of twice its width
 _FLOWING, _ALONE = 0.92, 0.85  # of the size: columns that part verses; one left in the last column
@@ -98,7 +101,7 @@ def compose(
     Raises
     ------
     InputError
-        If the text is empty.
+        If the text is empty, or so long that its characters would be too small to write.
     """
     verses = split_text("".join("\n" if _is_mark(one) else one for one in text))
     if not all(unicodedata.east_asian_width(one) in "WF" for one in "".join(verses)):
@@ -110,15 +113,28 @@ def compose(
         (_GAP, _MOST_GAP) if gap is None else (gap, gap),
         (_BETWEEN, _MOST_BETWEEN) if between is None else (between, between),
     )
-    if sheet.usual.panels > 1:
-        return _on_panels(asked, verses)
-    return _best(asked, verses)
+    composed = _on_panels if sheet.usual.panels > 1 else _best
+    found = composed(asked, verses)
+    if found.em_mm < _LEAST_MM:
+        n = len("".join(verses))
+        fits = bisect_left(
+            range(1, n), True, key=lambda k: composed(asked, ["一" * k]).em_mm < _LEAST_MM
+        )
+        raise InputError(
+            "{n} characters would fill {sheet} at {em:.1f} mm each, which is less than {least:g} "
+            "mm; expected at most {fits} characters, or a larger sheet",
+            n=n,
+            sheet=sheet.name,
+            em=found.em_mm,
+            least=_LEAST_MM,
+            fits=fits,
+        )
+    return found
 
 
 def place_on(sheet: Sheet, point: Sequence[float]) -> tuple[float, float]:
     """A point of a sheet as fractions of its panels' width and height; see `place`."""
-    boxes = np.array([area.mesh.bounds for area in writing_areas(make_sheet(sheet), False)])
-    low, high = boxes[:, 0].min(axis=0)[:2], boxes[:, 1].max(axis=0)[:2]
+    low, high = paper_bounds(make_sheet(sheet))[:, :2]
     u, v = ((np.array(point[:2]) - low) / (high - low)).tolist()
     return u, v
 
@@ -257,20 +273,21 @@ def _on_fan(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float
     outer, inner = fan.outer - margin, fan.inner + margin
     opening = 2.0 * (fan.half_opening - margin / (0.5 * (outer + inner)))
     n, rows = (len(lines), max(map(len, lines))) if columns else (max(map(len, lines)), len(lines))
-    long = rows + (rows - 1) * asked.between[0]
+    aside, along = (asked.gap, asked.between) if columns else (asked.between, asked.gap)
+    long = rows + (rows - 1) * along[0]
     signed = _WITH_ROOM * _SIGNATURE if is_signed and columns else 0.0
     # columns touch where they are nearest to the apex
-    em = opening * outer / (n + (n - 1) * asked.gap[0] + signed + opening * (long + _HEAD_ON_FAN))
+    em = opening * outer / (n + (n - 1) * aside[0] + signed + opening * (long + _HEAD_ON_FAN))
     em = min(em, (outer - inner) / (long + 2.0 * _HEAD_ON_FAN))
     lower = outer - em * (long + _HEAD_ON_FAN)
     middle = lower + 0.5 * em * long
     signature = signed * em / lower  # an angle, as that of a pitch
     pitch = (opening - signature - em / lower) / (n - 1) if n > 1 else 0.0
-    gap = min(max(pitch * middle / em - 1.0, asked.gap[0]), max(asked.gap[1], _WIDEST_ON_FAN))
-    between = asked.between[0]
+    widest = aside[1] if aside[0] == aside[1] else _WIDEST_ON_FAN  # equal where it is given
+    apart = min(max(pitch * middle / em - 1.0, aside[0]), widest)
     turn = 0.5 * signature
     x, y = middle * math.sin(turn), middle * math.cos(turn) + fan.apex
-    return (em, gap, between, x, y) if columns else (em, between, gap, x, y)
+    return (em, apart, along[0], x, y) if columns else (em, along[0], apart, x, y)
 
 
 # ---- Signatures ----------------------------------------------------------------------------------

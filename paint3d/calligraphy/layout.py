@@ -30,7 +30,7 @@ from paint3d.mesh.chart import (
     overlapping,
 )
 from paint3d.mesh.placement import SIDES, SurfaceLine, Upright, is_flat, place, upwards, walk
-from paint3d.mesh.sheet_mesh import sheet_of, writing_areas
+from paint3d.mesh.sheet_mesh import paper_bounds, sheet_of, writing_areas
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
@@ -89,7 +89,7 @@ def frames_to_try(surface: ClosestPoints, side: str | None) -> Iterator[SurfaceF
     Parameters
     ----------
     surface : ClosestPoints
-    side : {"outside", "inside", "top", "bottom"}, optional
+    side : {"outside", "inside", "top", "bottom", "front", "right", "back", "left"}, optional
         From where one looks; by default the object's usual side first, then the others, and at
         last places spread evenly over its area, which no side may show.
     """
@@ -134,6 +134,7 @@ _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
 _FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text
 _MIDDLE = (0.5, 0.5)
+_WITHIN = 1e-6  # of a panel: how far from its rim a place between panels goes
 _MOST_GRIDS = 8  # places without enough room after which the search is given up
 _SMALLER_SHARES = (0.85, 0.7, 0.55, 0.4)  # of the em, tried in turn for what may be proposed
 _TURNS_ASIDE = (0.0625, -0.0625, 0.125, -0.125, 0.1875, -0.1875, 0.25, -0.25, 0.375, -0.375, 0.5)
@@ -154,7 +155,7 @@ class Layout:
         where that makes it fit, or where the surface is smooth enough if it is not there.
     around : bool
         Spread the columns (or the letters of a row) evenly all around the body, starting at `at`.
-    side : {"outside", "inside", "top", "bottom"}, optional
+    side : {"outside", "inside", "top", "bottom", "front", "right", "back", "left"}, optional
         From where one looks at the object.
     gap : float
         Room between two columns or two rows, ems.
@@ -233,14 +234,17 @@ def grounds_of(surface: ClosestPoints, layout: Layout) -> tuple[tuple[Ground, ..
     panels = _panels(surface.mesh, not layout.is_placed)
     if not layout.is_placed or len(panels) == 1:
         return panels, layout
+    point = np.array([np.nan, np.nan, 0.0] if layout.point is None else layout.point)
     if layout.at is not None:
-        boxes = np.array([panel.surface.mesh.bounds for panel in panels])
-        low, high = boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)
-        x, y = (low + np.append(as_array(layout.at, "at", (2,)), 0.0) * (high - low)).tolist()[:2]
-        layout = replace(layout, at=None, point=(x, y, 0.0))
-    at = np.array(layout.point)
-    away = [float(np.linalg.norm(p.surface.find(at[None]).points[0] - at)) for p in panels]
-    return (panels[int(np.argmin(away))],), layout
+        low, high = paper_bounds(surface.mesh)[:, :2]
+        point[:2] = low + as_array(layout.at, "at", (2,)) * (high - low)
+    away = [float(np.linalg.norm(p.surface.find(point[None]).points[0] - point)) for p in panels]
+    nearest = panels[int(np.argmin(away))]
+    if layout.at is not None:
+        low, high = nearest.surface.mesh.bounds[:, :2]
+        u, v = np.clip((point[:2] - low) / (high - low), _WITHIN, 1.0 - _WITHIN).tolist()
+        layout = replace(layout, at=(u, v))
+    return (nearest,), layout
 
 
 def places_for(

@@ -235,12 +235,13 @@ def _paint(
         wanted = PaintingOptions.of(piece)
         make, source = write.planner(piece)
         pen = write.pen_of(piece)
+        signature = write.signature_of(piece) if piece.sign else None
         dips = piece.dip or (DIPS if piece.text is not None else "always")
         surface = document.surface
         written = write.plan(piece, surface, make, pen, source, dips, seconds)
         painted = paint_onto(document, write.inked(written, surface), wanted, seconds)
-        if piece.sign:
-            write.sign(document, piece, wanted, written, seconds)
+        if signature is not None:
+            write.sign(document, signature, wanted, written, seconds)
         counts = {"characters": written.characters, "brush": painted.counts["brush"]}
         over = float(painted.counts["over_paint"])
     say_if_over(over, name)

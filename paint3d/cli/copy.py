@@ -21,7 +21,7 @@ from paint3d.cli.options import FILES, check_output_file, group_of, parse_number
 from paint3d.cli.painting import PaintingOptions
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.sources import TRIALS, add_rehearsals_option
-from paint3d.cli.write import add_task_options, carry_out, check_files, settle_size
+from paint3d.cli.write import add_task_options, carry_out, check_files, pen_of
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -131,7 +131,6 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If the photograph cannot be used, or as `carry_out` says.
     """
-    from paint3d.brush.presets import choose_brush, load_brush
     from paint3d.calligraphy.photo.copying import check_widths
     from paint3d.calligraphy.writing import write_page
 
@@ -140,10 +139,8 @@ def run(options: argparse.Namespace) -> None:
     if options.beside is not None:
         check_output_file(options.beside, _PICTURES)
     wanted.check()
-    settle_size(options, wanted.on)
     sheet = _copied(options)
-    brush = load_brush(options.brush or choose_brush(options.size))
-    check_widths(sheet.page, brush, options.size, wanted.resolution)
+    check_widths(sheet.page, pen_of(options).brush, options.size, wanted.resolution)
     page = sheet.page if options.dryness == "photo" else sheet.wet_page
     trials = TRIALS if options.rehearsals is None else options.rehearsals
     sheet = replace(sheet, page=page)

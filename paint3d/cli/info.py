@@ -127,9 +127,14 @@ def _length(points: AnyArray) -> tuple[float, float]:
 def _flat(surface: ClosestPoints, side: str) -> Iterator[str]:
     """What U and V are on a side that is looked at from above or below; nothing without one."""
     from paint3d.errors import MeshError
+    from paint3d.mesh.bvh import ClosestPoints
     from paint3d.mesh.placement import place
+    from paint3d.mesh.sheet_mesh import paper_bounds, sheet_of, writing_areas
 
-    (left, front, _), (right, back, _) = surface.mesh.bounds.tolist()
+    mesh = surface.mesh
+    (left, front, _), (right, back, _) = paper_bounds(mesh).tolist()
+    if sheet_of(mesh) is not None:
+        surface = ClosestPoints(writing_areas(mesh, False)[0].mesh)
     try:
         height = place(surface, (0.5, 0.5), side).origin[2]
     except MeshError:

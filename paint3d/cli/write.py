@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from paint3d.cli.films import add_film_options, film_of
 from paint3d.cli.options import (
@@ -75,6 +75,7 @@ from paint3d.mesh.sheets import is_sheet
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
     from paint3d.calligraphy.photo.flat_page import FlatPage
+    from paint3d.calligraphy.seal.stone import Seal
     from paint3d.calligraphy.writing import Pen, Written
     from paint3d.core.arrays import AnyArray
     from paint3d.recording.recording import Recording
@@ -86,9 +87,11 @@ __all__ = [
     "add_task_options",
     "carry_out",
     "check_files",
+    "pen_of",
     "run",
     "settle_size",
     "sign",
+    "signature_of",
 ]
 
 EXAMPLES = """
@@ -287,9 +290,10 @@ def carry_out(
     if as_outlines and options.azimuth != "commanded":
         raise InputError("--azimuth dragged turns the tuft; outlines (.svg) need a commanded one")
     pen = pen_of(options)
+    signature = signature_of(options) if is_signed else None
     seconds: dict[str, float] = {}
     document = open_document(wanted, options) if is_session_path(wanted.on) else None
-    if document is None and is_signed:
+    if document is None and signature is not None:
         document = new_document(wanted)
     if document is None:
         surface = _made_ready(wanted, pen, seconds, flat=as_outlines)
@@ -309,8 +313,8 @@ def carry_out(
         painting = paint(surface, recording, wanted, seconds, watch)
     else:
         painting = paint_onto(document, recording, wanted, seconds, watch)
-        if is_signed:
-            sign(document, options, wanted, written, seconds)
+        if signature is not None:
+            sign(document, signature, wanted, written, seconds)
     header, written = recording.header, replace(written, recording=recording)
     told = {key: header[key] for key in ("glyphs", "source") if key in header}
     painting.counts.update(told, characters=written.characters)
@@ -340,6 +344,7 @@ def settle_size(options: argparse.Namespace, on: str) -> None:
         return
     options.size = _USUAL_MM
     is_free = options.at is None and not options.around and options.rotate == 0.0
+    is_free = is_free and options.side in (None, "top", "front")
     text = getattr(options, "text", None)
     if text is None or not is_free or not is_sheet(on):
         return
@@ -358,10 +363,11 @@ def settle_size(options: argparse.Namespace, on: str) -> None:
     if found.point is not None:
         options.at = place_on(sheet, found.point)
     if not options.quiet:
-        n, what = len(found.lines), "row" if options.layout == "row" else "column"
+        n, lines = len("".join(found.lines)), len(found.lines)
+        what = "row" if options.layout == "row" else "column"
         sys.stderr.write(
-            f"{sum(map(len, found.lines))} characters of {found.em_mm:.0f} mm in {n} {what}"
-            f"{'s' if n > 1 else ''} fill the sheet\n"
+            f"{n} character{'s' if n > 1 else ''} of {found.em_mm:.0f} mm in {lines} {what}"
+            f"{'s' if lines > 1 else ''} fill{'' if n > 1 else 's'} the sheet\n"
         )
 
 
@@ -385,14 +391,56 @@ def inked(written: Written, surface: PaintedSurface) -> Recording:
     return inked_as(written.recording, written.dryness, written.strength, surface.material)
 
 
+class Signature(NamedTuple):
+    """What stands beside a text, read before anything is painted.
+
+    Attributes
+    ----------
+    options : Namespace
+        As for a text of its own; its text is empty where there is a seal alone.
+    planner : tuple or None
+        See `planner`.
+    cut : callable or None
+        Cuts the seal at a size, mm.
+    """
+
+    options: argparse.Namespace
+    planner: tuple[Callable[..., Written], dict[str, str]] | None
+    cut: Callable[[float], Seal] | None
+
+
+def signature_of(options: argparse.Namespace) -> Signature:
+    """Read the signature and cut the seal that options ask for.
+
+    Raises
+    ------
+    Paint3DError
+        If there is no glyph for one of their characters, or the seal cannot be cut.
+    """
+    asked = argparse.Namespace(**vars(options))
+    asked.text = "".join((options.sign or "").split())
+    asked.svg = asked.strokes = asked.at = None
+    asked.around = False
+    cut = None
+    if options.seal:
+        from paint3d.calligraphy.fonts.fallback import with_fallback
+        from paint3d.calligraphy.glyph_sources import open_glyphs
+        from paint3d.calligraphy.seal.stone import cut_known
+
+        source = with_fallback(open_glyphs(options.glyphs), options.seal)
+        cut = partial(cut_known, options.seal, source, "zhuwen")
+        cut(_USUAL_MM)  # refused now if ever
+    return Signature(asked, planner(asked) if asked.text else None, cut)
+
+
 def sign(
     document: Document,
-    options: argparse.Namespace,
+    signature: Signature,
     wanted: PaintingOptions,
     written: Written,
     seconds: dict[str, float],
 ) -> None:
-    """Write a signature beside a text, and press a seal below it, as options ask for them.
+    """Write a signature beside a text, and press a seal below it.
 
     Raises
     ------
@@ -400,30 +448,21 @@ def sign(
         If there is no place for them.
     """
     from paint3d.calligraphy.composition import sign_beside
-    from paint3d.calligraphy.seal.stone import cut_seal
 
-    words = "".join((options.sign or "").split())
-    mesh, order = document.surface.source, options.layout or "columns"
-    beside = sign_beside(mesh, [piece.square for piece in written.placed], len(words), order)
-    if words:
-        asked = argparse.Namespace(**vars(options))
-        asked.text, asked.svg, asked.strokes = words, None, None
-        asked.size, asked.between, asked.around, asked.at = (
-            beside.em_mm,
-            beside.between,
-            False,
-            None,
-        )
+    asked = signature.options
+    mesh, order = document.surface.source, asked.layout or "columns"
+    beside = sign_beside(mesh, [piece.square for piece in written.placed], len(asked.text), order)
+    if signature.planner is not None:
+        asked.size, asked.between = beside.em_mm, beside.between
         if not wanted.brush:
             asked.brush = None
-        make, source = planner(asked)
+        make, source = signature.planner
         pen = pen_of(asked)
         line = plan(asked, document.surface, make, pen, source, DIPS, seconds, beside.point)
         paint_onto(document, inked(line, document.surface), wanted, seconds)
-    if options.seal:
-        stone = cut_seal(options.seal, None, size_mm=beside.seal_mm, glyphs=options.glyphs)
-        rings = [ring.tolist() for ring in stone.rings]
-        with ProgressBar("pressing", enabled=not options.quiet):
+    if signature.cut is not None:
+        rings = [ring.tolist() for ring in signature.cut(beside.seal_mm).rings]
+        with ProgressBar("pressing", enabled=not asked.quiet):
             document.press_seal(rings, beside.seal_point.tolist(), beside.up.tolist())
 
 

@@ -104,7 +104,7 @@ def place(
         axis of the body (see `body_axis`; a handle does not count), counter-clockwise seen from
         above, with 0.5 at the front (-y), and v the height from bottom to top. Three numbers are a
         direction from the middle of that axis, to the outermost point along it or, on the inside,
-        the first.
+        the first; a side of the `FACES` takes none.
     side : {"outside", "inside", "top", "bottom", "front", "right", "back", "left"}, optional
         The side it is seen from; by default the top of a flat object and the outside of others.
         In the middle of one of the `FACES` u is 0.5.
@@ -112,7 +112,8 @@ def place(
     Raises
     ------
     InputError
-        If `at` has another length, a fraction is outside [0, 1], or the side is not known.
+        If `at` has another length, a fraction is outside [0, 1], the side is not known, or a face
+        is given with a direction.
     MeshError
         If there is no surface at that place, or it shows its back there.
     """
@@ -124,8 +125,13 @@ def place(
             side=side,
             sides=", ".join((*SIDES, *FACES)),
         )
-    values = np.asarray(at, dtype=np.float64)
+    asked, values = side, np.asarray(at, dtype=np.float64)
+    told = values.tolist()
     if side in FACES:
+        if values.shape == (3,):
+            raise InputError(
+                "at is a direction and side is {side!r}; expected u, v on that face", side=side
+            )
         if is_flat(surface):
             if side not in ("front", "back"):
                 raise InputError(
@@ -144,7 +150,7 @@ def place(
         )
     start, ray = _ray(surface, as_array(values, "at", values.shape), side)
     hits = surface.cast(start[None], ray[None])
-    where = Message("at {place} seen from the {side}", place=values.tolist(), side=side)
+    where = Message("at {place} seen from the {side}", place=told, side=asked)
     if not hits.hit[0]:
         raise MeshError(
             "{object}: there is no surface {where}; expected another place",
@@ -155,7 +161,7 @@ def place(
     normal = surface.find(point[None]).normals[0]
     if normal @ ray >= 0.0:
         raise MeshError(
-            "{object}: {where} the surface shows its back; try another",
+            "{object}: {where} the surface faces away; try another",
             object=surface.mesh.name,
             where=where,
         )

@@ -26,6 +26,7 @@ __all__ = [
     "drawn",
     "fan_of",
     "make_sheet",
+    "paper_bounds",
     "sheet_of",
     "with_paper",
     "writing_areas",
@@ -114,6 +115,12 @@ def writing_areas(mesh: TriangleMesh, within_margins: bool = True) -> tuple[Writ
         WritingArea(TriangleMesh(_beside(points, x), faces, None, mesh.name), apex)
         for x in reversed(_middles(sheet))
     )
+
+
+def paper_bounds(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Corners (2, 3) of the box around all panels of a sheet, or around any other mesh, mm."""
+    boxes = np.array([area.mesh.bounds for area in writing_areas(mesh, False)])
+    return np.stack([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
 
 
 def _middles(sheet: Sheet) -> list[float]:

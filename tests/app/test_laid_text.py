@@ -398,6 +398,24 @@ def test_texts_come_back_from_files_scores_and_recovery(window, tmp_path) -> Non
     assert painted(document.score, document.surface.source).texts == texts
 
 
+def test_a_reopened_painting_counts_no_stroke_from_before_its_text(
+    program, window, tmp_path
+) -> None:
+    pen_stroke(window.canvas, (0.42, 0.5), (0.58, 0.5), [0.5] * 12)
+    settled(window)
+    lay(window, "一", 60.0)
+    assert window.panels.copybook.told.text() == "0 of 1 written; next: 一"
+    window.document.save(tmp_path / "one.p3d")
+    with opened(program, str(tmp_path / "one.p3d"), drawn=False) as again:
+        wait_for(lambda: again.panels.copybook.copybook is not None)
+        assert len(again.document.strokes) == 1
+        settled(again)
+        assert again.panels.copybook.told.text() == "0 of 1 written; next: 一"
+        pen_stroke(again.canvas, (0.42, 0.5), (0.58, 0.5), [0.5] * 12)
+        wait_for(lambda: again.panels.copybook.told.text() == "All characters are written")
+        pretend_saved(again.stage.paint_thread)
+
+
 def test_texts_come_back_after_a_crash(tmp_path) -> None:
     document = Document.new("plane", 4.0, "xuan")
     folder = RecoveryFolder(document, tmp_path)
@@ -419,6 +437,33 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
     wait_for(lambda: "does not fit" in window.status.message_label.text())
     np.testing.assert_array_equal(origins(window), before)
     assert text_of(window).point is None
+
+
+def test_a_text_all_around_breaks_anew_and_is_not_turned(program) -> None:
+    with opened(program, "bowl", 4.0, "porcelain", drawn=False) as window:
+        panel = window.panels.copybook
+        lay(window, "永和九年", 14.0)
+        window.copying.change({"turn": 20.0})
+        wait_for(lambda: text_of(window).turn == 20.0)
+        settled(window)
+        window.copying.ask({"text": "永和九年", "turn": 20.0}, False)
+        wait_for(lambda: text_of(window).text == "永和九年")
+        settled(window)
+        panel.around_box.click()
+        wait_for(lambda: text_of(window).around)
+        settled(window)
+        assert text_of(window) == LaidText("永和九年", 14.0, around=True)
+        assert panel.copybook.lines == "永\n和\n九\n年"
+        assert (panel.turn.isEnabled(), panel.turn.value()) == (False, 0.0)
+        begin(window)
+        assert "scale" in window.copying.mover.grips()
+        assert "turn" not in window.copying.mover.grips()
+        panel.around_box.click()
+        wait_for(lambda: not text_of(window).around)
+        settled(window)
+        assert text_of(window).text == "永和九年"
+        assert panel.turn.isEnabled()
+        pretend_saved(window.stage.paint_thread)
 
 
 def test_a_text_on_a_bowl_is_moved_over_its_wall(program) -> None:

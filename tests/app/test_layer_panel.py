@@ -9,7 +9,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
-from tests.support.app.gestures import BUTTON, KIND, mouse, pen_stroke, type_key, wait_for
+from tests.support.app.gestures import BUTTON, KIND, live, mouse, pen_stroke, type_key, wait_for
 from tests.support.app.windows import opened, settled
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
@@ -213,6 +213,24 @@ def test_each_of_two_quick_clicks_on_an_eye_counts(window) -> None:
     twice(lambda: click(eye))
     twice(lambda: type_key(window.canvas, KEY.Key_H))
     assert [one.result(60) for one in seen] == [False, True, False, True]
+
+
+def test_an_eye_waits_for_moves_of_layers_that_were_asked_before(window) -> None:
+    panel, paint_thread = window.panels.layers, window.stage.paint_thread
+    window.workspace.actions["add_layer"].trigger()
+    wait_for(lambda: panel.list.count() == 2)
+    settled(window)
+    upper = row_of(panel, "Layer 2").findChild(QtWidgets.QToolButton)
+    paint_thread.halt()
+    panel.step(-1)  # Layer 2 below Layer 1, once the painting thread goes on
+    click(upper)
+    live(0.2)  # the click waits meanwhile
+    paint_thread.go_on()
+    wait_for(lambda: not all(layer.visible for layer in window.document.layers), 30)
+    settled(window)
+    seen = {layer.name: layer.visible for layer in window.document.layers}
+    assert seen == {"2": False, "1": True}
+    assert [layer.name for layer in window.document.layers] == ["2", "1"]
 
 
 def test_an_eye_is_for_the_layer_it_is_shown_beside_though_others_have_gone(window) -> None:

@@ -2,11 +2,21 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
-from paint3d.calligraphy.composition import compose, lines_of, seal_below, sign_beside
-from paint3d.calligraphy.layout import Layout, layout_text
+from paint3d.calligraphy.composition import (
+    compose,
+    lines_of,
+    place_on,
+    seal_below,
+    sign_beside,
+)
+from paint3d.calligraphy.layout import Layout, layout_text, places_for
+from paint3d.cli.info import info_lines
+from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.sheet_mesh import make_sheet, writing_areas
 from paint3d.mesh.sheets import parse_sheet
@@ -96,7 +106,58 @@ def test_a_signature_stands_below_a_last_column_that_is_short() -> None:
     assert beside.point[1] < last[1]
 
 
-def test_given_distances_hold() -> None:
-    sheet = parse_sheet("scroll")
-    tight = compose(sheet, POEM, between=0.0, gap=0.3)
-    assert (tight.gap, tight.between) == (0.3, 0.0)
+@pytest.mark.parametrize("order", ["columns", "row"])
+@pytest.mark.parametrize("form", FORMS)
+def test_given_distances_hold(form: str, order: str) -> None:
+    sheet = parse_sheet(form)
+    for gap, between in ((0.3, 0.05), (0.0, 0.4)):
+        found = compose(sheet, POEM, order, gap=gap, between=between)
+        assert (found.gap, found.between) == (gap, between)
+    assert compose(sheet, POEM, order, gap=0.3).gap == 0.3
+    assert compose(sheet, POEM, order, between=0.3).between == 0.3
+
+
+@pytest.mark.parametrize("form", ["a4", "couplet", "fan"])
+def test_a_text_too_long_for_a_sheet_is_refused_with_what_would_fit(form: str) -> None:
+    sheet = parse_sheet(form)
+    with pytest.raises(InputError, match="60000 characters would fill") as told:
+        compose(sheet, "一" * 60_000)
+    fits = int(re.search(r"at most (\d+) characters", str(told.value))[1])
+    assert compose(sheet, "一" * fits).em_mm >= 4.0
+    with pytest.raises(InputError, match="expected at most"):
+        compose(sheet, "一" * (fits + 1))
+
+
+@pytest.mark.parametrize("name", ["scroll:mounted", "couplet", "fan", "a4"])
+def test_a_point_of_a_sheet_is_the_place_of_its_fractions(name: str) -> None:
+    sheet = parse_sheet(name)
+    surface = ClosestPoints(make_sheet(sheet))
+    point = surface.find(np.array([[-70.0, 30.0, 0.0]])).points[0]
+    at = place_on(sheet, point)
+    (frame,) = places_for(surface, at, None)
+    np.testing.assert_allclose(frame.origin[:2], point[:2], atol=0.01)
+
+
+def test_a_place_between_panels_is_on_the_nearest_and_a_sheet_has_no_back() -> None:
+    surface = ClosestPoints(make_sheet(parse_sheet("couplet")))
+    (frame,) = places_for(surface, (0.55, 0.5), None)
+    assert frame.origin[0] == pytest.approx(60.0, abs=0.01)  # the right one's rim
+    with pytest.raises(MeshError, match="seen from the back the surface faces away"):
+        list(places_for(surface, (0.2, 0.5), "back"))
+
+
+@pytest.mark.parametrize("name", ["scroll", "scroll:mounted", "couplet", "couplet:mounted", "fan"])
+def test_info_tells_fractions_as_text_is_placed_by_them(name: str) -> None:
+    surface = ClosestPoints(make_sheet(parse_sheet(name)))
+    lines = list(info_lines(surface))
+    (told,) = [line for line in lines if "U along x" in line]
+    left, right, front, back = map(
+        float,
+        re.search(
+            r"from (\S+) \(0\) to (\S+) mm \(1\), V along y from (\S+) to (\S+)", told
+        ).groups(),
+    )
+    for u, v in ((0.2, 0.6), (0.8, 0.7)):
+        (frame,) = places_for(surface, (u, v), None)
+        there = left + u * (right - left), front + v * (back - front)
+        np.testing.assert_allclose(frame.origin[:2], there, atol=0.1)

@@ -167,7 +167,7 @@ def test_a_text_that_does_not_fit_says_at_which_size_it_would():
     [
         ("plane", 300.0, Layout(), "the surface ends"),
         ("sphere", 140.0, Layout(), "stretched by"),
-        ("sphere", 20.0, Layout(side="inside"), "shows its back"),
+        ("sphere", 20.0, Layout(side="inside"), "faces away"),
         ("plane", 20.0, Layout(side="outside"), "no surface at"),
         ("plane", 20.0, Layout(around=True), "does not come back"),
         ("bowl", 20.0, Layout(at=(0.5, 0.99)), "edge or a tight bend"),

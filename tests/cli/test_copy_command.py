@@ -9,9 +9,13 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.strokes_file import load_strokes
+from paint3d.cli.batches.rows import command_parser
 from paint3d.cli.main import main
+from paint3d.cli.write import pen_of
+from paint3d.errors import InputError
 from paint3d.recording.recording import load_recording
 from tests.support.photographs import Camera, hairs_below_a_stroke, photograph, sheet_of
 
@@ -91,6 +95,24 @@ def test_what_cannot_be_copied_is_said_in_one_line(
     assert words in told
     assert len(told.splitlines()) == 1 or "usage" in told
     assert not list(tmp_path.iterdir())
+
+
+def test_what_is_large_is_copied_and_written_with_the_largest_brush(
+    photo: Path, tmp_path: Path, monkeypatch
+) -> None:
+    brushes = []
+
+    def check(page, brush, size, resolution) -> None:
+        brushes.append(brush)
+        raise InputError("seen")
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("paint3d.calligraphy.photo.copying.check_widths", check)
+    assert copy(photo, "--whole", "--on", "plane", "--size", 300, "--out", "a.ply") == 2
+    words = ["一", "--on=plane", "--size=300", "--out=a.ply"]
+    written = pen_of(command_parser("write").parse_args(words)).brush
+    assert brushes == [written]
+    assert written == load_brush(choose_brush(200.0))
 
 
 def test_ink_that_is_in_no_stroke_is_told(tmp_path: Path, capsys) -> None:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import argparse
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from paint3d.app.model.document import Document
 from paint3d.cli import main, options, replay, write
+from paint3d.cli.batches.rows import command_parser
 from paint3d.colour.materials import material_names
+from paint3d.files.load import load_mesh
 from paint3d.recording.recording import load_recording
 from tests.support.fonts import REFERENCE
 
@@ -78,6 +83,11 @@ WISHES_IN_WRITING = [
     ({"text": "一龘"}, "no glyph for '龘' (U+9F98)"),
     ({"technique": "pianfeng", "azimuth": "dragged"}, "dragged tuft"),
     ({"azimuth": "dragged", "out": "a.svg"}, "need a commanded one"),
+    ({"seal": "一丨十一丨"}, "5 characters; expected 1 to 4"),
+    ({"seal": "龘"}, "no glyph for '龘' (U+9F98)"),
+    ({"sign": "一龘"}, "no glyph for '龘' (U+9F98)"),
+    ({"seal": "一", "out": "a.svg"}, "--sign and --seal are painted after the text"),
+    ({"sign": "一", "film": "a.mp4"}, "--sign and --seal are painted after the text"),
 ]
 
 
@@ -103,6 +113,7 @@ def test_what_is_wished_is_checked_before_any_work(
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(write, "load_object", load)
+    monkeypatch.setattr(write, "new_document", load)
     monkeypatch.setattr(replay, "load_object", load)
     monkeypatch.setattr("paint3d.recording.recording.load_recording", load)
     chosen = {"text": __file__} if command == "replay" else {"text": "一", "glyphs": glyphs}
@@ -203,3 +214,59 @@ def test_text_too_small_for_its_vertices_is_told(tmp_path, monkeypatch, capsys, 
                       "--out", "a.p3d", "--processes", "1"]) == 0  # fmt: skip
     said = "vertices 0.8 mm apart are too coarse for characters of 10 mm" in capsys.readouterr().err
     assert said == told
+
+
+def asked_of(*words: str) -> argparse.Namespace:
+    return command_parser("write").parse_args(["--out=a.p3d", "--quiet", *words])
+
+
+@pytest.mark.parametrize(
+    ("side", "axis"),
+    [("front", (0, -1)), ("right", (1, 0)), ("back", (0, 1)), ("left", (-1, 0))],
+)
+def test_a_text_is_written_on_the_face_that_is_asked_for(side: str, axis) -> None:
+    asked = asked_of("一", "--on=vase", "--size=20", f"--side={side}", "--processes=1")
+    make, source = write.planner(asked)
+    vase = SimpleNamespace(source=load_mesh("vase"))
+    written = write.plan(asked, vase, make, write.pen_of(asked), source, "always", {})
+    middle = written.placed[0].square.chart.frame.origin[:2]
+    np.testing.assert_allclose(middle / np.linalg.norm(middle), axis, atol=0.05)
+
+
+def test_a_text_fills_a_sheet_on_its_front_alone(capsys) -> None:
+    sizes = {}
+    for side in (None, "top", "front", "back", "bottom"):
+        asked = asked_of("永", "--on=square", *([f"--side={side}"] if side else []))
+        asked.quiet = False
+        write.settle_size(asked, asked.on)
+        sizes[side] = asked.size
+        told = capsys.readouterr().err
+        filled = f"1 character of {asked.size:.0f} mm in 1 column fills the sheet\n"
+        assert told == ("" if asked.size == 20.0 else filled)
+    assert sizes["top"] == sizes["front"] == sizes[None] > 200.0
+    assert sizes["back"] == sizes["bottom"] == 20.0
+
+
+def test_a_signature_and_a_seal_stand_beside_the_text(tmp_path: Path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    words = ["--on", "sheet:60x60:margin=5", "--resolution", "1", "--sign", "二", "--seal", "一"]
+    assert main.main(["write", "一", *words, "--out", "a.p3d", "--processes", "1", "--quiet"]) == 0
+    document = Document.open("a.p3d")
+    assert len(document.strokes) == 2
+
+    def painted() -> set[tuple[float, ...]]:
+        surface = document.surface
+        found = surface.paint_mesh.vertices[: len(surface.painted)][surface.painted]
+        return {tuple(point) for point in found.round(3).tolist()}
+
+    whole = painted()
+    document.undo()
+    signed = painted()
+    document.undo()
+    text = painted()
+    seal = np.array(sorted(whole - signed))
+    signature = np.array(sorted(signed - text))
+    assert signature[:, 0].max() < min(text)[0]
+    assert seal[:, 0].max() < min(text)[0]
+    assert seal[:, 1].max() < signature[:, 1].min()
+    assert len(document.strokes) == 1

@@ -19,6 +19,7 @@ from paint3d.files.export import export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.pictures import Turning, write_picture
+from paint3d.files.project.painting import tell_clipped
 from paint3d.files.project.session import Session, save_session
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.shot import Shot
@@ -198,3 +199,16 @@ def test_commands_take_the_light(tmp_path, capsys):
     assert main.main(["export", saved, str(tmp_path / "b.ply"), "--illuminant", "nope"]) == 2
     assert "unknown illuminant 'nope'" in capsys.readouterr().err
     assert not (tmp_path / "b.ply").exists()
+
+
+def test_few_clipped_colours_are_not_told_and_a_tenth_of_the_paint_is(caplog):
+    for more, told in ((-1, False), (0, True)):
+        surface = PaintedSurface(PLANE, resolution=None, material="xuan")
+        n = 10 * (surface.n_vertices // 20)  # of them paint, and a tenth of that verdigris
+        clipped = n // 10 + more
+        lay(surface, "verdigris", 0.5, slice(0, clipped))
+        lay(surface, "pine soot", 0.5, slice(clipped, n))
+        caplog.clear()
+        with caplog.at_level(logging.WARNING, "paint3d"):
+            assert tell_clipped(surface, None) == clipped
+        assert bool(caplog.records) == told

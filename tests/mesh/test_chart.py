@@ -8,6 +8,7 @@ from scipy.interpolate import RectBivariateSpline
 
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.errors import InputError, MeshError, RecordingError
+from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SplineMap, frame_at, make_chart, unroll
 from paint3d.mesh.placement import place
@@ -175,6 +176,25 @@ def test_placing_by_fractions_and_by_direction(plane, cylinder):
         place(plane, (1.5, 0.5))
     with pytest.raises(MeshError, match="there is no surface"):
         place(cylinder, (0, 0, 1))
+
+
+def test_faces_are_parts_of_the_outside_and_of_what_is_flat_its_top_and_back(plane):
+    round_body = ClosestPoints(load_mesh("vase"))
+    axes = {"front": (0, -1), "right": (1, 0), "back": (0, 1), "left": (-1, 0)}
+    for face, axis in axes.items():
+        for u, way in ((0.5, 0.0), (0.6, 0.2 * np.pi)):  # U grows to the right of who looks at it
+            seen = place(round_body, (u, 0.5), face).origin[:2]
+            c, s = np.cos(way), np.sin(way)
+            turned = np.array([c * axis[0] - s * axis[1], s * axis[0] + c * axis[1]])
+            assert seen / np.linalg.norm(seen) == pytest.approx(turned, abs=0.01)
+    for face in axes:
+        with pytest.raises(InputError, match=f"side is '{face}'; expected u, v on that face"):
+            place(round_body, (1, 0, 0), face)
+    assert place(plane, (0.75, 0.5), "front").origin == pytest.approx([25, 0, 0], abs=1e-4)
+    with pytest.raises(InputError, match="lies flat; expected its front"):
+        place(plane, (0.5, 0.5), "left")
+    with pytest.raises(MeshError, match="seen from the back the surface faces away"):
+        place(plane, (0.5, 0.5), "back")
 
 
 def pad(positions, azimuth=0.3, altitude=1.2):

@@ -46,6 +46,7 @@ _LEAST_EM_MM, _MOST_EM_MM = 2.0, 1000.0
 _BLANK = "口"  # stands where nothing is said
 _LIFTED_S = 0.06  # from one stroke of a recording to the next, at least
 _LOOKED_AT = 24  # points of a stroke, at most
+_ALL_AROUND = 0.2  # length of the mean of directions below which squares go around a body
 _MANY, _SPARSE = 2000, 4  # samples, of which then every fourth is looked at
 
 _LEFT, _RIGHT = ((-1.0, -1.0), (-1.0, 1.0)), ((1.0, -1.0), (1.0, 1.0))
@@ -226,6 +227,8 @@ class CopybookBlock:
         """The block of squares or boxes."""
         frames = [square.chart.frame for square in squares]
         points = np.concatenate([square.points.reshape(-1, 3) for square in squares])
+        if np.linalg.norm(np.mean([frame.x_axis for frame in frames], axis=0)) < _ALL_AROUND:
+            frames = frames[:1]  # their middle is within the body
         middle = np.mean([frame.origin for frame in frames], axis=0)
         frame = frame_at(surface, middle, np.mean([frame.y_axis for frame in frames], axis=0))
         flat = (points - frame.origin) @ np.stack([frame.x_axis, frame.y_axis], axis=1)

@@ -48,6 +48,7 @@ __all__ = ["CopybookGuide"]
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM = 15.0  # where there is no text that it belongs to
 _BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # values that let a text fill no sheet
+_BREAK_ANEW = {"grid", "around"}  # values with which the text's lines may break otherwise
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _NUMERALS = r"\d〇零○一二三四五六七八九十"
 _DATED = re.compile(  # a year, and what else of a date is said beside a name
@@ -244,10 +245,12 @@ class CopybookGuide:
         if held is None:
             return
         laid = held.laid
-        if set(values) != {"grid"} and "\n" not in laid.text and held.book.lines:
+        if not values.keys() <= _BREAK_ANEW and "\n" not in laid.text and held.book.lines:
             laid = laid.moved(text=held.book.lines)  # it breaks where it did before
         try:
             laid = laid.moved(**values)
+            if laid.around:  # it lies level
+                laid = laid.moved(turn=0.0)
         except Paint3DError as error:
             self._workspace.tell(say_error(error), state="bad")
             return

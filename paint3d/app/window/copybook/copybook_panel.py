@@ -150,6 +150,7 @@ class CopybookPanel(QtWidgets.QWidget):
             box.setValue(n)
             box.setToolTip(say("Squares of a grid without a text"))
         self.turn = self._number("turn", -180.0, 180.0, 0.0, "°", 1)
+        self.around_box.toggled.connect(self.turn.setDisabled)
         self.gap = self._number("gap", 0.0, 500.0, 10.0, " %")
         self.between = self._number("between", 0.0, 500.0, 0.0, " %")
         self.gap.setToolTip(say("Room between columns, or rows, in parts of the size"))
@@ -290,6 +291,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.em.setValue(laid.em_mm)
         self.around_box.setChecked(laid.around)
         self.turn.setValue(laid.turn)
+        self.turn.setDisabled(laid.around)
         self.gap.setValue(100.0 * laid.gap)
         self.between.setValue(100.0 * laid.between)
         self.across.setValue(laid.cells[0])
@@ -311,6 +313,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.fill_box.setChecked(True)
         with QtCore.QSignalBlocker(self.around_box):
             self.around_box.setChecked(False)
+        self.turn.setEnabled(True)
         self._form.setRowVisible(self.fill_box, on)
         self._form.setRowVisible(self.around_box, not on)
 
@@ -333,7 +336,7 @@ class CopybookPanel(QtWidgets.QWidget):
             "cells": (self.across.value(), self.down.value()),
             "gap": 0.01 * self.gap.value(),
             "between": 0.01 * self.between.value(),
-            "turn": self.turn.value(),
+            "turn": 0.0 if self.around_box.isChecked() else self.turn.value(),
             "around": self.around_box.isChecked(),
             "fills": self.fills,
         }

@@ -122,6 +122,8 @@ class TextMover(CanvasTool):
         frame = held.book.block.frame
         changes: dict[str, Any] = {"point": self._point(held)}
         if keys & modifier.ControlModifier:
+            if right and laid.around:
+                return
             if right:
                 changes["turn"] = _turned(laid.turn - right * _DEGREES)
             else:
@@ -263,7 +265,8 @@ class TextMover(CanvasTool):
             found["across"] = beyond(0.5 * (upper_left + lower_left), _REACH)
         if down > 1:
             found["down"] = beyond(0.5 * (lower_left + lower_right), _REACH)
-        found["turn"] = beyond(0.5 * (upper_left + upper_right), _AWAY)
+        if not held.laid.around:
+            found["turn"] = beyond(0.5 * (upper_left + upper_right), _AWAY)
         return {name: QtCore.QPointF(*at.tolist()) for name, at in found.items()}
 
     def _corners(self, held: HeldText) -> list[AnyArray]:
