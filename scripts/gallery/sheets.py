@@ -31,7 +31,7 @@ def draw(file: Path, pixels: str, *asked: object) -> None:
 def draw_signed_scroll(file: Path, _: Path) -> None:
     """A quatrain on a hanging scroll."""
     draw(file, "800x2000", POEM, "--on", "scroll:mounted",
-         "--sign", "丙午年秋李白書", "--seal", "李白")  # fmt: skip
+         "--sign", "李白詩石山書", "--seal", "石山")  # fmt: skip
 
 
 PICTURES = {"signed_scroll.webp": draw_signed_scroll}

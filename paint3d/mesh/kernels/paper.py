@@ -20,7 +20,7 @@ __all__ = ["MOST_ASIDE_MM", "lay_paper", "lay_paper_at"]
 
 # h_k, half a wavelength, and a_k along each axis: mm. Set so that edges on xuan are about
 # as rough as those of ink on raw practice paper in each octave of .13 to 2.1 mm.
-_EDGE = ((0.09, 0.004), (0.19, 0.009), (0.38, 0.025), (0.75, 0.055), (1.4, 0.1), (3.1, 0.16))
+_EDGE = ((0.09, 0.004), (0.19, 0.009), (0.38, 0.025), (0.75, 0.05), (1.4, 0.085), (3.1, 0.13))
 # An edge is somewhat cleaner here than there: h and deviation of the log of each, up to which h all
 # of it counts, from there on its root, and the most of it.
 _RAGGED, _SMOOTH_MM, _MOST_RAGGED = ((3.5, 0.55), (15.0, 0.35)), 1.0, 3.0
