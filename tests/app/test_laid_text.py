@@ -404,15 +404,15 @@ def test_a_reopened_painting_counts_no_stroke_from_before_its_text(
     pen_stroke(window.canvas, (0.42, 0.5), (0.58, 0.5), [0.5] * 12)
     settled(window)
     lay(window, "一", 60.0)
-    assert window.panels.copybook.told.text() == "0 of 1 written; next: 一"
+    assert window.panels.copybook.message_label.text() == "0 of 1 written; next: 一"
     window.document.save(tmp_path / "one.p3d")
     with opened(program, str(tmp_path / "one.p3d"), drawn=False) as again:
         wait_for(lambda: again.panels.copybook.copybook is not None)
         assert len(again.document.strokes) == 1
         settled(again)
-        assert again.panels.copybook.told.text() == "0 of 1 written; next: 一"
+        assert again.panels.copybook.message_label.text() == "0 of 1 written; next: 一"
         pen_stroke(again.canvas, (0.42, 0.5), (0.58, 0.5), [0.5] * 12)
-        wait_for(lambda: again.panels.copybook.told.text() == "All characters are written")
+        wait_for(lambda: again.panels.copybook.message_label.text() == "All characters are written")
         pretend_saved(again.stage.paint_thread)
 
 
