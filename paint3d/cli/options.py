@@ -27,11 +27,13 @@ __all__ = [
     "MATERIALS",
     "OBJECTS",
     "PLACE",
+    "SIDES",
     "UNITS",
     "UNIT_HELP",
     "Parser",
     "UsageError",
     "add_actions",
+    "add_at_option",
     "add_dip_option",
     "add_force_option",
     "add_fps_option",
@@ -39,6 +41,7 @@ __all__ = [
     "add_quiet_option",
     "add_report_option",
     "add_seed_option",
+    "add_side_option",
     "add_stylus_option",
     "add_unit_option",
     "add_up_option",
@@ -358,6 +361,30 @@ def parse_place(text: str) -> tuple[float, float]:
             f"{text!r} is not a place; expected U,V with both from 0 to 1, such as 0.5,0.5"
         )
     return u, v
+
+
+SIDES = ("outside", "inside", "top", "bottom", "front", "right", "back", "left")
+
+
+def add_at_option(parser: argparse._ActionsContainer, what: str) -> None:
+    """Add --at, for the middle of what is laid or pressed."""
+    parser.add_argument(
+        "--at",
+        metavar="U,V",
+        type=parse_place,
+        help=f"where {what} middle goes: U to the right, V upwards, both 0 to 1 "
+        "(paint3d info OBJECT says in mm)",
+    )
+
+
+def add_side_option(parser: argparse._ActionsContainer) -> None:
+    """Add --side, from where one looks at the object."""
+    parser.add_argument(
+        "--side",
+        choices=SIDES,
+        help="from where the object is looked at: on its front, right, back or left U is 0.5 in "
+        "the middle (default: outside, top of what is flat)",
+    )
 
 
 def add_quiet_option(parser: argparse.ArgumentParser) -> None:

@@ -11,16 +11,17 @@ from typing import TYPE_CHECKING
 
 from paint3d.cli.options import (
     PLACE,
+    add_at_option,
     add_force_option,
     add_quiet_option,
     add_seed_option,
+    add_side_option,
     check_input_file,
     check_output_file,
     check_overwriting,
     group_of,
     parse_length_mm,
     parse_number,
-    parse_place,
 )
 from paint3d.cli.painting import (
     PaintingOptions,
@@ -48,7 +49,6 @@ paint3d seal --svg logo.svg --on vase --size 20 --out vase.glb
 
 _STYLES = ("zhuwen", "baiwen")
 _SHAPES = ("square", "upright", "level")
-_SIDES = ("outside", "inside", "top", "bottom", "front", "right", "back", "left")
 _RESOLUTION_MM = 0.1
 _MOST_PLACES = 12
 
@@ -132,19 +132,8 @@ def _add_stone_options(parser: argparse._ActionsContainer) -> None:
 
 
 def _add_place_options(parser: argparse._ActionsContainer) -> None:
-    parser.add_argument(
-        "--at",
-        metavar="U,V",
-        type=parse_place,
-        help="where its middle goes: U to the right, V upwards, "
-        "both 0 to 1 (paint3d info OBJECT says in mm)",
-    )  # fmt: skip
-    parser.add_argument(
-        "--side",
-        choices=_SIDES,
-        help="from where the object is looked at: on its front, right, back or left U is 0.5 in "
-        "the middle (default: outside, top of what is flat)",
-    )
+    add_at_option(parser, "its")
+    add_side_option(parser)
     parser.add_argument(
         "--rotate",
         metavar="DEG",

@@ -20,11 +20,13 @@ from paint3d.cli.options import (
     DIPS,
     FILES,
     PLACE,
+    add_at_option,
     add_dip_option,
     add_force_option,
     add_quiet_option,
     add_report_option,
     add_seed_option,
+    add_side_option,
     check_input_file,
     check_output_file,
     check_overwriting,
@@ -32,7 +34,6 @@ from paint3d.cli.options import (
     parse_count,
     parse_gap,
     parse_length_mm,
-    parse_place,
     parse_turn,
     parse_variation,
 )
@@ -102,7 +103,6 @@ paint3d write --svg logo.svg --on hello.p3d --size 40 --out both.p3d
 
 _RECORDINGS = (".jsonl", ".csv", ".jsonl.gz", ".csv.gz")
 _TECHNIQUES = ("zhongfeng", "cefeng", "pianfeng")
-_SIDES = ("outside", "inside", "top", "bottom", "front", "right", "back", "left")
 _USUAL_MM, _GAP = 20.0, 0.1
 _FINE, _FINER = 40.0, 75.0  # vertices to a character's side: fewer show ragged strokes; enough
 _LOG = logging.getLogger("paint3d")
@@ -186,22 +186,11 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
         "written)",
     )
     where = place.add_mutually_exclusive_group()
-    where.add_argument(
-        "--at",
-        metavar="U,V",
-        type=parse_place,
-        help="where the text's middle goes: U to the right, V "
-        "upwards, both 0 to 1 (paint3d info OBJECT says in mm)",
-    )
+    add_at_option(where, "the text's")
     where.add_argument(
         "--around", action="store_true", help="spread the text evenly around the body"
     )
-    place.add_argument(
-        "--side",
-        choices=_SIDES,
-        help="from where the object is looked at: on its front, right, back or left U is 0.5 in "
-        "the middle (default: outside, top of what is flat)",
-    )
+    add_side_option(place)
     place.add_argument(
         "--rotate", metavar="DEG", type=parse_turn, default=0.0,
         help="turn the text to the left, degrees (default: 0)",
@@ -419,6 +408,8 @@ def signature_of(options: argparse.Namespace) -> Signature:
     """
     asked = argparse.Namespace(**vars(options))
     asked.text = "".join((options.sign or "").split())
+    if options.sign is not None and not asked.text:
+        raise InputError("--sign has no characters; expected a signature")
     asked.svg = asked.strokes = asked.at = None
     asked.around = False
     cut = None

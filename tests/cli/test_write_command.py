@@ -86,6 +86,7 @@ WISHES_IN_WRITING = [
     ({"seal": "一丨十一丨"}, "5 characters; expected 1 to 4"),
     ({"seal": "龘"}, "no glyph for '龘' (U+9F98)"),
     ({"sign": "一龘"}, "no glyph for '龘' (U+9F98)"),
+    ({"sign": "　 "}, "--sign has no characters"),
     ({"seal": "一", "out": "a.svg"}, "--sign and --seal are painted after the text"),
     ({"sign": "一", "film": "a.mp4"}, "--sign and --seal are painted after the text"),
 ]

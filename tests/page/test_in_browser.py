@@ -87,6 +87,14 @@ def choose(browser: Browser, name: str, place: int) -> None:
     )
 
 
+def open_copybook(browser: Browser) -> None:
+    """Open the tab of texts and seals, if it is not open."""
+    browser.evaluate(
+        "(tab => tab.hidden && document.getElementById('show-copybook').click())"
+        "(document.getElementById('tab-copybook'))"
+    )
+
+
 def wave(x: float, y: float, length: float = 240.0) -> list[tuple[float, float, float]]:
     """A way of a pen with its forces, which begins at a place of the window."""
     n = 48
@@ -285,8 +293,7 @@ def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
 ) -> None:
     begin_with(browser, place)
     at = "document.getElementById('{}')".format
-    if browser.evaluate("document.getElementById('tab-copybook').hidden"):
-        browser.evaluate(f"{at('show-copybook')}.click()")
+    open_copybook(browser)
     browser.wait_for(at("addText"))
     browser.evaluate(f"{at('addText')}.click()")
     browser.evaluate(f"{at('place')}.click()")  # away from the bowl's wall, which is near the hand
@@ -343,8 +350,7 @@ def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
 def test_a_move_ends_with_the_text_that_was_to_be_moved(browser: Browser) -> None:
     begin_with(browser, SHEET)
     at = "document.getElementById('{}')".format
-    if browser.evaluate("document.getElementById('tab-copybook').hidden"):
-        browser.evaluate(f"{at('show-copybook')}.click()")
+    open_copybook(browser)
     browser.wait_for(at("addText"))
     locked = {"modifiers": 2, "key": "Z", "code": "KeyZ", "windowsVirtualKeyCode": 90}
     for take_off in (
@@ -424,8 +430,7 @@ def test_a_seal_is_pressed_where_one_taps_as_on_the_desktop(
 ) -> None:
     begin_with(browser, place)
     at = "document.getElementById('{}')".format
-    if browser.evaluate(f"{at('tab-copybook')}.hidden"):
-        browser.evaluate(f"{at('show-copybook')}.click()")
+    open_copybook(browser)
     browser.wait_for(at("press-seal"))
     change = "(e => {{ e.value = {}; e.dispatchEvent(new Event('{}')); }})({})".format
     note = f"{at('seal-text')}.closest('section').querySelector('.note')"

@@ -217,11 +217,23 @@ def copy_sheet(
         page, (height, width), per_unit, origin, picture=picture, corners=corners, ink=ink,
         red=inks.red,
     )  # fmt: skip
+    stains = Message(
+        "a pale blot with soft edges was taken for a stain of the paper and left out",
+        "{n} pale blots with soft edges were taken for stains of the paper and left out",
+        n=ink.stains,
+    )
+    along_edge = Message(
+        "a white piece along the edge of the sheet was taken for no stroke and left out: give "
+        "corners farther out if it is one",
+        "{n} white pieces along the edge of the sheet were taken for no strokes and left out: give "
+        "corners farther out if they are",
+        n=ink.along_edge,
+    )
     notes = (
         _note_on_others(corners, others),
         _note_on_ground(sheet) if asked.invert else None,
-        _note_on_stains(ink.stains),
-        _note_on_edge(ink.along_edge),
+        stains if ink.stains else None,
+        along_edge if ink.along_edge else None,
         _note_on_lost_ink(copied),
     )
     return replace(copied, notes=tuple(note for note in notes if note is not None))
@@ -311,30 +323,6 @@ def _note_on_ground(sheet: NDArray[np.float32]) -> Message | None:
     return Message(
         "{share:.0%} of the sheet is white, and was copied as the strokes of a rubbing",
         share=share,
-    )
-
-
-def _note_on_stains(n: int) -> Message | None:
-    """Note of blots that were left out as stains; None where there are none."""
-    if not n:
-        return None
-    return Message(
-        "a pale blot with soft edges was taken for a stain of the paper and left out",
-        "{n} pale blots with soft edges were taken for stains of the paper and left out",
-        n=n,
-    )
-
-
-def _note_on_edge(n: int) -> Message | None:
-    """Note of what lies along a rubbing's edge and was left out; None where there is nothing."""
-    if not n:
-        return None
-    return Message(
-        "a white piece along the edge of the sheet was taken for no stroke and left out: give "
-        "corners farther out if it is one",
-        "{n} white pieces along the edge of the sheet were taken for no strokes and left out: give "
-        "corners farther out if they are",
-        n=n,
     )
 
 
