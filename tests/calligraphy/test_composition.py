@@ -17,6 +17,7 @@ from paint3d.calligraphy.composition import (
 from paint3d.calligraphy.layout import Layout, layout_text, places_for
 from paint3d.cli.info import info_lines
 from paint3d.errors import InputError, MeshError
+from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.sheet_mesh import make_sheet, writing_areas
 from paint3d.mesh.sheets import parse_sheet
@@ -161,3 +162,20 @@ def test_info_tells_fractions_as_text_is_placed_by_them(name: str) -> None:
         (frame,) = places_for(surface, (u, v), None)
         there = left + u * (right - left), front + v * (back - front)
         np.testing.assert_allclose(frame.origin[:2], there, atol=0.1)
+    (tenths,) = [line for line in lines if "0.1 of U is" in line]
+    u, v = map(float, re.findall(r"is (\S+) mm", tenths))
+    assert (u, v) == pytest.approx((0.1 * (right - left), 0.1 * (back - front)), abs=0.1)
+
+
+def test_info_tells_how_far_a_tenth_of_u_goes_round_a_body_and_which_way() -> None:
+    surface = ClosestPoints(load_mesh("vase"))
+    outside = "\n".join(info_lines(surface)).partition("--side outside")[2].partition("--side")[0]
+    rows = re.findall(r"^ +([\d.]+) +[\d.]+ +(\d+) +([\d.]+)$", outside, re.MULTILINE)
+    assert len(rows) >= 3
+    for v, girth, tenth in (map(float, row) for row in rows[1:-1]):
+        turns = np.linspace(0.45, 0.55, 9)
+        ring = [next(iter(places_for(surface, (u, v), "outside"))).origin for u in turns]
+        way = np.linalg.norm(np.diff(ring, axis=0), axis=1).sum()
+        assert tenth == pytest.approx(way, rel=0.02)
+        assert girth == pytest.approx(10.0 * tenth, abs=1.0)
+        assert ring[-1][0] > ring[0][0]  # to the right, as seen from its front

@@ -531,3 +531,18 @@ def test_memory_is_bounded() -> None:
         tracemalloc.stop()
     assert surface.n_vertices == vertices  # it was refined all over
     assert most < 2500 * vertices
+
+
+def test_dark_ink_blooms_in_a_wet_wash_and_not_on_the_dry_sheet() -> None:
+    """Water that is there parts its flocs, too: docs/ink.md, Spreading."""
+    beyond = []
+    for wash in (0.0, 3.0):
+        surface = PaintedSurface(grid(24.0, 0.4), None, SMOOTH)
+        if wash:
+            drop(surface, wash, 8.0, ink="water").diffuse(1.5)
+        drop(surface, 0.5, 2.0).diffuse(15.0)
+        soot = surface.amounts[:, surface.column_of(load_pigment("pine soot"))]
+        ink = soot * surface.vertex_areas
+        away = np.linalg.norm(surface.paint_mesh.vertices[:, :2], axis=1)
+        beyond.append(float(ink[away > 3.0].sum() / ink.sum()))
+    assert beyond[1] > 0.05 > 0.01 > beyond[0]
