@@ -26,6 +26,7 @@ from paint3d.brush_engine.bristles.state import PARTED, SPLIT
 from paint3d.brush_engine.dry_contact import bundle_noise, contact_noise
 from paint3d.cli.options import parse_hairs
 from paint3d.colour.difference import delta_e, lab_from_srgb
+from paint3d.colour.pigments import load_pigment
 from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
@@ -723,3 +724,16 @@ def test_bundles_are_read_from_the_noise_of_the_tooth():
             there = np.roll(noise[layer], (-across, -along), axis=(0, 1))
             assert (packed[:, :, place] == there).all()
     assert (four != 0).any()
+
+
+def test_a_pigment_that_is_known_but_not_in_the_brush_changes_nothing() -> None:
+    """As after a dip that was undone: what was painted before it is painted alike."""
+    painted = []
+    for others in ((), ("cinnabar", "indigo")):
+        surface = plane(material="xuan")
+        for name in ("pine soot", *others):
+            surface.column_of(load_pigment(name))
+        paint(stroke(brush="feibai"), surface=surface, hairs=None, brush="feibai")
+        painted.append((surface.coverage.copy(), surface.amounts.sum(axis=1)))
+    np.testing.assert_array_equal(painted[0][0], painted[1][0])
+    np.testing.assert_allclose(painted[0][1], painted[1][1], rtol=1e-5, atol=1e-6)

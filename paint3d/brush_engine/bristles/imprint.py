@@ -230,6 +230,18 @@ def _lay_hairs(hairs, count, last):
 
 
 @uncounted(error_model="numpy")
+def _holds_several(load):
+    """Whether hairs (B, P) hold more than one pigment, however many are known."""
+    kinds = 0
+    for p in range(load.shape[1]):
+        for i in range(load.shape[0]):
+            if load[i, p] > 0.0:
+                kinds += 1
+                break
+    return kinds > 1
+
+
+@uncounted(error_model="numpy")
 def draw_imprint(stamp, tuft, hairs, sums, finest, scratch):
     """Draw the imprint of hairs that lie on the surface, and the stamp's outline.
 
@@ -254,7 +266,7 @@ def draw_imprint(stamp, tuft, hairs, sums, finest, scratch):
     values.tip += bend.shift_x[0]  # as far as it has set
     values.heel += bend.shift_x[0]
     values.widest_at += bend.shift_x[0]
-    film = joined >= 1.0 and load.shape[1] == 1  # the same all over: nothing to map
+    film = joined >= 1.0 and not _holds_several(load)  # the same all over: nothing to map
     if film:
         _fill_evenly(imprint)
         if bend.own <= 0.0:
