@@ -128,7 +128,9 @@ class Flow:
         self._store = store
         self._patch = WetPatch(store)
         made_of = store.material
-        self._absorption = Absorption(capacity_of(made_of), film_of(made_of), made_of.passing)
+        self._absorption = Absorption(
+            capacity_of(made_of), film_of(made_of), made_of.passing, made_of.pores_mm
+        )
         self.steps = 0
         self._ease = 1.0
         self.waiting = np.zeros(0, np.int32)

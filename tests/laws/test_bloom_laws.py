@@ -123,9 +123,26 @@ def test_water_that_meets_a_damp_wash_leaves_a_dark_edge() -> None:
         found.append(rings(surface)[:14])
     still, run = found
     edge = int(run.argmax())
-    assert run[0] < 0.4 * still[0]
-    assert run[edge] > 1.3 * still[edge]
+    assert run[0] < 0.55 * still[0]
+    assert run[edge] > 1.1 * still[edge]
     assert 4 < edge < 14
+
+
+def test_water_dropped_into_a_wet_wash_leaves_a_cloud_not_a_disc() -> None:
+    """It gets paler to its middle little by little, and some of the wash stays there."""
+    profiles = []
+    for water in (0.0, 6.0):
+        surface = PaintedSurface(grid(24.0, 0.4), None, "xuan")
+        drop(surface, 0.16, 9.0)
+        drop(surface, 1.6, 9.0, ink="water")
+        surface.diffuse(4.0)
+        if water:
+            drop(surface, water, 2.0, ink="water")
+        surface.diffuse(60.0)
+        profiles.append(rings(surface)[:14])
+    paler = profiles[1] / profiles[0]
+    assert 0.1 < paler[0] < 0.5
+    assert np.diff(paler).max() < 0.3 * (paler.max() - paler[0])
 
 
 @pytest.mark.parametrize("known", [False, True])
@@ -196,7 +213,7 @@ def test_halo_and_rim_do_not_depend_on_the_triangles() -> None:
         surface.diffuse(20.0)
         inner = rings(surface)
         found.append((*radii(surface), inner.max() / inner[:3].mean()))
-    np.testing.assert_allclose(found[0][:2], found[1][:2], rtol=0.03)
+    np.testing.assert_allclose(found[0][:2], found[1][:2], rtol=0.04)
     assert found[0][2] == pytest.approx(found[1][2], rel=0.12)  # finer, and so sharper
 
 

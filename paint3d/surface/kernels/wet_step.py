@@ -31,8 +31,10 @@ __all__ = ["TOO_LITTLE_ROOM", "Absorption", "WetFields", "Workspace", "move_wate
 TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
-_FLOATS = 0.005  # mm: a film as deep carries pigment as fast as itself
 _SLIPS = 0.06  # of the rate at which pores catch fine pigment: that at which they catch loose
+_DISPERSES = 0.1, 0.4  # mm: in pores and as a film; water that runs so far mixes over as far
+_MIXES = 0.06  # of a node's water, at most, that it exchanges with another in a step
+CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -74,6 +76,7 @@ class Absorption(NamedTuple):
     capacity: float  # depth that the pores hold, mm
     film: float  # diffusivity of a film on them, mm2/s
     passing: float  # speed of coarse soot over that of the water where pores let it pass, 0 to 1
+    pores: float  # depth of the pores, mm: a film as deep on them floats half of their pigment
 
 
 class Workspace(NamedTuple):
@@ -262,7 +265,7 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
 
 
 @kernel(error_model="numpy")
-def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
+def _find_flows(rows, n_rows, n_ids, n_stages, absorption):
     """Find what runs out by each link, and what of it carries coarse pigment, mm3.
 
     `starts`, `cols`, `x` and `edge_flow` hold it for the links by which anything runs out, and for
@@ -270,6 +273,7 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
     node. Pores that are barely wet let no soot pass, those above `sieve` all of it; in a film on
     them nothing holds it.
     """
+    passing, held = absorption.passing, absorption.film * absorption.pores
     mean, edge_flow = rows.mean[n_stages % 2], rows.edge_flow[n_stages % 2]
     x, cols, waits, carries, floating = (
         rows.x,
@@ -279,7 +283,6 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
         rows.edge_flow[1],
     )
     waits[:n_ids] = 0
-    floats = 1.0 / (film * _FLOATS)
     end, n = np.uint32(0), np.uint32(0)  # flows that were found lie before links not yet read
     for r in range(n_rows):
         begin, end = end, rows.starts[r + 1]
@@ -297,7 +300,8 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
                 flow = -edge_flow[e]
             total += flow
             level = min(own, other)
-            film_share = max(min(floats * (level - full), 1.0), 0.0)
+            on_top = max(level - full, 0.0)
+            film_share = on_top / (on_top + held) if on_top > 0.0 else 0.0
             between = 0.5 * (own + other)
             share = max(min(always + opens * between, passing), film_share)
             cols[n], x[n], carries[n], floating[n] = k, flow, flow * share, flow * film_share
@@ -313,6 +317,9 @@ def _carry(f, rows, n_rows, n_ids, work):
     """Move water and pigment, each node when all that flows into it has come.
 
     `work` holds what comes to each: water, and of each pigment the coarse, the fine, the loose.
+    Water takes ways of many lengths through fibres, so a front of clean water widens as it goes:
+    both ends of a link exchange what is afloat in `_DISPERSES` / distance times what runs
+    (mechanical dispersion: Bear, *Dynamics of Fluids in Porous Media*, 1972).
     """
     n_pigments = f.pigment.shape[1]
     waits, turns = rows.waits, rows.turns
@@ -349,16 +356,36 @@ def _carry(f, rows, n_rows, n_ids, work):
         scale = gone / out if out > 0.0 else 0.0
         f.changed[i] = True
         _mix(f, rows, r, volume, gone, (scale * carrying, scale * floating), coming)
+        share, left = rows.share[r], volume - gone
+        spacing = np.sqrt(f.area[i])
         for e in range(begin, end):
             k = rows.cols[e]
             flux = rows.x[e] * scale
             carried, afloat = rows.edge_flow[0, e] * scale, rows.edge_flow[1, e] * scale
             coming[k, 0] += flux
             within = 1.0 - rows.edge_flow[1, e] / rows.x[e]  # of the flow, through pores
+            j = rows.ids[k]  # where a mesh has wide cells beside narrow ones, by their areas
+            within *= np.sqrt(2.0 * f.area[j] / (f.area[i] + f.area[j]))
+            there = f.water[j] * f.area[j]
+            stirred = (_DISPERSES[0] * (flux - afloat) + _DISPERSES[1] * afloat) / spacing
+            stirred = min(stirred, _MIXES * min(left, there))
+            back = stirred / there if stirred > 0.0 else 0.0
             for p in range(n_pigments):
                 drawn = _drawn(f.mobility[p], carried, afloat)
+                if stirred > 0.0:
+                    fine = stirred * coming[r, 2 + 3 * p] - back * f.fine[j, p] * f.area[j]
+                    loose = stirred * coming[r, 3 + 3 * p] - back * f.loose[j, p] * f.area[j]
+                    coarse = f.pigment[j, p] - f.fine[j, p] - f.loose[j, p]
+                    coarse = stirred * coming[r, 1 + 3 * p] - back * max(coarse, 0.0) * f.area[j]
+                    coarse *= drawn / flux
+                    coming[k, 1 + 3 * p] += coarse
+                    coming[k, 2 + 3 * p] += fine
+                    coming[k, 3 + 3 * p] += loose
+                    f.fine[i, p] -= share * fine
+                    f.loose[i, p] -= share * loose
+                    f.pigment[i, p] -= share * (coarse + fine + loose)
                 fine, loose = flux * coming[r, 2 + 3 * p], flux * coming[r, 3 + 3 * p]
-                catches = f.sticks[p] * f.catch[rows.ids[k]] * within
+                catches = min(1.0, f.sticks[p] * f.catch[j] * within)
                 coming[k, 2 + 3 * p] += (1.0 - catches) * fine
                 coming[k, 3 + 3 * p] += (1.0 - _SLIPS * catches) * loose
                 caught = catches * (fine + _SLIPS * loose)
@@ -435,6 +462,18 @@ def _greatest_change(f, rows, n_rows, shortest):
     return most
 
 
+@kernel(error_model="numpy", inline="always")
+def _settle(f, i, water):
+    """Let flocs come to rest on fibres where the water between them gets little."""
+    afloat = 0.0
+    for p in range(f.pigment.shape[1]):
+        afloat += f.loose[i, p]
+    most = CROWDED * water
+    if afloat > most:
+        for p in range(f.pigment.shape[1]):
+            f.loose[i, p] *= most / afloat
+
+
 @kernel(error_model="numpy")
 def _note(f, rows, n_rows, rest):
     """Note what the step did to the nodes that it changed; blocks that get water are owed rest."""
@@ -450,6 +489,7 @@ def _note(f, rows, n_rows, rest):
         f.moved[b, 1] += change * f.area[i]
         if np.isinf(f.owed[b]):
             f.owed[b] = rest
+        _settle(f, i, water)
         share = water / f.entry_depth[i] if water < f.entry_depth[i] else 1.0
         f.soaked[i] = max(f.soaked[i], share)
         if f.soaked[i] >= 1.0:
@@ -476,7 +516,7 @@ def _seed(f, rows, nodes, around, capacity):
 @kernel(error_model="numpy")
 def _find(f, rows, known, rest, absorption, come):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
-    capacity, film, passing = absorption
+    capacity, film = absorption.capacity, absorption.film
     inner, n_rows = 0, known  # those within have all neighbours among the rows
     rows.starts[0] = 0
     known = _grow(f, rows, 0, known, rest, capacity, film)
@@ -502,7 +542,7 @@ def _find(f, rows, known, rest, absorption, come):
             n_stages = _count_stages(rows, n_rows, film)
         stage += 1
         _run_stage(rows, n_rows, stage, n_stages, film, capacity, come)
-    _find_flows(rows, n_rows, known, n_stages, passing, film)
+    _find_flows(rows, n_rows, known, n_stages, absorption)
     return n_rows, known, n_stages
 
 

@@ -250,7 +250,10 @@ export class Flow {
     const { material } = patch.surface;
     const nodes = this.#listed(patch.graph.nodesOf(blocks));
     const rims = this.#listed(patch.graph.rimsOf(blocks));
-    const absorption = { capacity: capacityOf(material), film: filmOf(material), passing: material.passing };
+    const absorption = {
+      capacity: capacityOf(material), film: filmOf(material), passing: material.passing,
+      pores: material.pores_mm,
+    };
     let stages: number;
     for (;;) {
       stages = kernels.call(
