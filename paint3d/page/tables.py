@@ -27,9 +27,10 @@ from paint3d.colour.glazing import srgb_primaries
 from paint3d.colour.layers import SAUNDERSON, to_internal
 from paint3d.colour.materials import Material
 from paint3d.colour.pigments import WATER, Pigment, load_palette
-from paint3d.colour.spectra import rgb_weights, srgb_from_reflectance
+from paint3d.colour.spectra import decode_srgb, rgb_weights, srgb_from_reflectance
 from paint3d.colour.vertex_colours import ColourModel, live_bands, srgb_codes
 from paint3d.core.arrays import AnyArray
+from paint3d.mesh.base_surface import CREASE_ANGLE
 from paint3d.mesh.bvh import ClosestPoints, build_contact_tree
 from paint3d.mesh.kernels.bvh import FACES_PER_LEAF, LEAF_SIZE, ContactTree
 from paint3d.mesh.kernels.paper import MOST_ASIDE_MM
@@ -64,6 +65,12 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
     words = {
         "sizes": _sizes(),
         "saunderson": SAUNDERSON,
+        "preparing": {
+            "crease_cosine": float(np.cos(CREASE_ANGLE)),
+            "most_around_edge": MOST_AROUND_EDGE,
+            "most_aside_mm": MOST_ASIDE_MM,
+            "leaf_sizes": {"contact": LEAF_SIZE, "closest": FACES_PER_LEAF},
+        },
         "pigments": [
             {
                 "name": pigment.name,
@@ -85,6 +92,8 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
         "rgb_weights": rgb_weights(),
         "srgb_primaries": srgb_primaries().astype(np.float32),
         "fibre_frames": fibre_frames(),
+        "sky_rays": _sky_rays(),
+        "decoded_codes": decode_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32),
         **{f"K.{pigment.name}": pigment.K for pigment in pigments},
         **{f"S.{pigment.name}": pigment.S for pigment in pigments},
     }
@@ -245,19 +254,23 @@ def _openness(
     surface: ClosestPoints, points: AnyArray, normals: AnyArray, faces: AnyArray
 ) -> NDArray[np.uint8]:
     """How much light of an even sky each vertex gets (N,), 255 where nothing is in its way."""
-    k = np.arange(_RAYS)
-    share, turn = (k + 0.5) / _RAYS, _GOLDEN_ANGLE * k
-    # about the normal, denser near it, as its light counts (Malley's method)
-    across, up = np.sqrt(share), np.sqrt(1.0 - share)
     seen = np.zeros(len(points))
     normal = normals.astype(np.float64)
     aside = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
     aside /= np.linalg.norm(aside, axis=1)[:, None]
     ahead = np.cross(normal, aside)
     starts = points + _LIFTED_MM * normal
-    for a, h, u in zip(across * np.cos(turn), across * np.sin(turn), up, strict=True):
+    for a, h, u in _sky_rays():
         seen += ~surface.cast(starts, a * aside + h * ahead + u * normal).hit
     return np.rint(255.0 * _smoothed(seen / _RAYS, faces)).astype(np.uint8)
+
+
+def _sky_rays() -> NDArray[np.float64]:
+    """Directions (N, 3), aside, ahead and up: denser near the normal, as their light counts."""
+    k = np.arange(_RAYS)
+    share, turn = (k + 0.5) / _RAYS, _GOLDEN_ANGLE * k  # Malley's method
+    across = np.sqrt(share)
+    return np.column_stack([across * np.cos(turn), across * np.sin(turn), np.sqrt(1.0 - share)])
 
 
 def _smoothed(values: AnyArray, faces: AnyArray) -> AnyArray:

@@ -3,6 +3,8 @@
 import type { Kernels } from "../core/kernels";
 import type { Brush } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
+import type { Bundle } from "../core/bundle";
+import type { ObjectWords } from "../mesh/refined_mesh";
 import { frameUp } from "../mesh/chart";
 import { ClosestPoints } from "../mesh/closest_points";
 import { readPressing, type PressedSeal } from "../seal/pressing";
@@ -67,13 +69,13 @@ export class Document {
     this.openness = object.numbers("openness", "u1").slice();
   }
 
-  /** Open a fresh object. */
+  /** Open a fresh object of the folder, or one of somebody's own. */
   static async open(
     studio: Studio, about: Contents["objects"][number], brushName: string, ink: string,
-    material: string = about.material,
+    material: string = about.material, own: Bundle<ObjectWords> | null = null,
   ): Promise<Document> {
-    const [{ surface }, brush] = await Promise.all([
-      studio.surface(about.name, about.resolution, material),
+    const [surface, brush] = await Promise.all([
+      own === null ? studio.surface(about.name, about.resolution, material) : studio.surfaceOf(own, material),
       studio.brush(brushName),
     ]);
     surface.useLayers();
