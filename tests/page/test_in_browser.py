@@ -378,7 +378,7 @@ def with_text(browser: Browser, words: dict[str, Any]) -> None:
     score = f"{head}\n{json.dumps({'do': 'lay_text', 'text': words})}\n"
     browser.evaluate(
         "fetch('contents.json').then(r => r.json())"
-        f".then(c => paint3d.open(c, {SHEET}, undefined, {json.dumps(score)}))"
+        f".then(c => paint3d.open(c, c.objects[{SHEET}], undefined, {json.dumps(score)}))"
     )
 
 
@@ -482,12 +482,8 @@ def test_what_cannot_be_opened_says_why(browser: Browser) -> None:
     words = json.loads(head)
 
     def said_of(name: str, text: str) -> str:
-        browser.evaluate(
-            f"(d => {{ d.items.add(new File([{json.dumps(text)}], '{name}'));"
-            "document.getElementById('hint').textContent = '';"
-            "document.body.dispatchEvent(new DragEvent('drop',"
-            " {dataTransfer: d, bubbles: true, cancelable: true})); })(new DataTransfer())"
-        )
+        browser.evaluate("document.getElementById('hint').textContent = ''")
+        drop(browser, name, text.encode())
         browser.wait_for("document.getElementById('hint').textContent")
         said: str = browser.evaluate("document.getElementById('hint').textContent")
         return said
@@ -505,8 +501,72 @@ def test_what_cannot_be_opened_says_why(browser: Browser) -> None:
         assert browser.evaluate(MESSAGE) == ""
     flown = "\n".join([head, json.dumps({"do": "fly"})])
     assert "line 2: a page does not know fly" in said_of("a.jsonl", flown)
-    assert "page build studio --on cup.glb" in said_of("cup.glb", "glTF")
+    ours = "it was painted on cup.glb, a file of somebody's own: open that here first."
+    assert ours in said_of("a.jsonl", json.dumps(words | {"object": "cup.glb"}))
+    for name, text, said in (
+        ("cup.glb", "glTF", "cup.glb cannot be opened: it is no text that glTF could be"),
+        ("cup.usdz", "", "USD is not read (Blender saves it as .glb); expected one of .glb .obj"),
+        ("cup.off", "OFF", "a page does not read .off, the desktop does; expected one of .glb"),
+        ("cup.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3", "cup: none of 1 faces has an area"),
+    ):
+        assert said in said_of(name, text)
+        assert browser.evaluate(MESSAGE) == ""
     assert settled(browser) == before
+
+
+def drop(browser: Browser, name: str, data: bytes) -> None:
+    """Drop a file on the page."""
+    browser.evaluate(
+        f"(d => {{ const bytes = Uint8Array.from(atob('{base64.b64encode(data).decode()}'),"
+        f" c => c.charCodeAt(0)); d.items.add(new File([bytes], '{name}'));"
+        "document.body.dispatchEvent(new DragEvent('drop',"
+        " {dataTransfer: d, bubbles: true, cancelable: true})); })(new DataTransfer())"
+    )
+
+
+def test_an_object_of_ones_own_is_painted_on_and_is_there_again(
+    browser: Browser, address: str, tmp_path: Path
+) -> None:
+    begin_with(browser, SHEET)
+    mesh = trimesh.creation.icosphere(subdivisions=4, radius=30.0)
+    mesh.apply_scale([1.2, 1.0, 0.7])
+    span = np.ptp(mesh.vertices, axis=0)
+    mesh.visual.vertex_colors = (155.0 + 100.0 * (mesh.vertices - mesh.bounds[0]) / span).astype(
+        "u1"
+    )
+    file = tmp_path / "pebble.ply"
+    file.write_bytes(mesh.export(file_type="ply"))
+    drop(browser, file.name, file.read_bytes())
+    browser.wait_for("document.querySelector('#cancel')")
+    browser.evaluate("document.querySelector('#cancel').click()")
+    browser.wait_for(OPEN)
+    assert "square" in browser.evaluate("paint3d.score()")
+    drop(browser, file.name, file.read_bytes())
+    browser.wait_for(f"paint3d.score().includes('pebble.ply') && {OPEN}")
+    bare = settled(browser)
+    choose(browser, "fineness", 4)
+    browser.wait_for("paint3d.score().includes('\"resolution_mm\":0.8') && " + OPEN)
+    choose(browser, "up", 2)  # y
+    browser.wait_for("document.getElementById('message').hidden === false")
+    browser.wait_for(OPEN)
+    browser.stroke(wave(350.0, 330.0, 200.0), tiltX=20, tiltY=10)
+    browser.stroke(wave(350.0, 400.0, 200.0))
+    found, score = settled(browser), browser.evaluate("paint3d.score()")
+    assert found["vertices"] > bare["vertices"]
+    browser.wait_for("paint3d.isKept")
+    browser.call("Page.navigate", url=address)
+    browser.wait_for("document.readyState === 'complete'")
+    browser.wait_for(OPEN)
+    assert settled(browser) == found
+    path = tmp_path / "pebble.score.jsonl"
+    path.write_text(score, "utf-8")
+    surface = painted(load_score(path), load_mesh(file, up="y")).surface
+    hashes = hashes_of(surface)
+    assert found == {name: hashes[name] for name in ("vertices", "srgb", "amounts")}
+    begin_with(browser, SHEET)
+    drop(browser, "a.score.jsonl", score.encode())
+    browser.wait_for(f"paint3d.score().includes('pebble.ply') && {OPEN}")
+    assert settled(browser) == found
 
 
 def test_a_piece_is_there_again_when_the_page_is_opened_again(

@@ -1,6 +1,7 @@
 /** What Python has made of colours, brushes and objects, opened by name (`paint3d/page`). */
 
 import { NDArray } from "./core/arrays";
+import { breathe } from "./core/breathe";
 import { Bundle } from "./core/bundle";
 import { Kernels, type KernelIndex } from "./core/kernels";
 import { Brush, type BrushWords } from "./brush/brush";
@@ -8,7 +9,7 @@ import type { Sizes } from "./brush_engine/scratch";
 import type { Material, Pigment } from "./colour/materials";
 import type { Backing, ColourTables } from "./colour/vertex_colours";
 import type { Preparing } from "./mesh/base_surface";
-import type { ObjectWords } from "./mesh/refined_mesh";
+import { PaintMesh, readTree, type ObjectWords } from "./mesh/refined_mesh";
 import type { Ink } from "./painter/painter";
 import { PaintedSurface } from "./surface/painted_surface";
 
@@ -105,6 +106,7 @@ export class Studio {
     ]);
     const kernels = await Kernels.load(wasm, index);
     const bundle = await Bundle.read<StudioWords>(common, "common.bin.gz");
+    await breathe();
     return new Studio(kernels, contents, fetch, bundle);
   }
 
@@ -159,7 +161,12 @@ export class Studio {
     const material = named(this.contents.materials, "material", materialName);
     const bytes = await this.fetch(material.file);
     const tables = await Bundle.read<Material>(bytes, material.file);
-    return new PaintedSurface(this.kernels, this, object, groundOf(tables));
+    await breathe();
+    const mesh = new PaintMesh(this.kernels, object);
+    await breathe();
+    const tree = readTree(this.kernels, object, "contact");
+    await breathe();
+    return new PaintedSurface(this.kernels, this, object, groundOf(tables), mesh, tree);
   }
 }
 

@@ -5,7 +5,8 @@ import { Kernels, type KernelIndex } from "../core/kernels";
 import { prepare, type Prepared } from "../mesh/prepared";
 import type { StudioWords } from "../studio";
 import type { Note } from "./mesh_error";
-import { readMesh, type Wanted } from "./reading";
+import { readMesh } from "./reading";
+import type { Wanted } from "./wanted";
 
 /** What is needed of the folder, and the file. */
 export interface Given {

@@ -8,11 +8,11 @@ import { readPly } from "./formats/ply";
 import { readStl } from "./formats/stl";
 import { MeshError, noted, type Note } from "./mesh_error";
 import { narrowed, type RawMesh } from "./raw_mesh";
+import { SUFFIXES, UNITS_MM, type Up, type Wanted } from "./wanted";
 
 const READERS: Record<string, (data: Uint8Array) => RawMesh> = {
   ".glb": readGlb, ".obj": readObj, ".ply": readPly, ".stl": readStl,
 }; // prettier-ignore
-export const SUFFIXES = Object.keys(READERS);
 const ON_THE_DESKTOP = [".off", ".3mf", ".gltf", ".xyz", ".dae", ".zae"];
 const UNREAD: Record<string, string> = {
   ".usd": "USD", ".usda": "USD", ".usdc": "USD", ".usdz": "USD", ".wrl": "VRML", ".vrml": "VRML", ".x3d": "VRML",
@@ -21,11 +21,8 @@ const UNREAD: Record<string, string> = {
 const MOST_BYTES = 1 << 28;
 const MOST_TRIANGLES = 500_000; // that a page has memory for
 
-export const UNITS_MM = { mm: 1.0, cm: 10.0, m: 1000.0, in: 25.4 };
-export type Unit = keyof typeof UNITS_MM;
-
 /** Rows of the rotation, of quarter turns, that brings an axis to z. */
-const TURNS = {
+const TURNS: Record<Up, number[][]> = {
   z: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
   y: [[1, 0, 0], [0, 0, -1], [0, 1, 0]],
   x: [[0, 0, -1], [0, 1, 0], [1, 0, 0]],
@@ -33,15 +30,6 @@ const TURNS = {
   "-y": [[1, 0, 0], [0, 0, 1], [0, -1, 0]],
   "-x": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
 }; // prettier-ignore
-export type Up = keyof typeof TURNS;
-export const UP_AXES = Object.keys(TURNS) as Up[];
-
-/** How a file is read: what is not said is as the format says, else millimetres, z up. */
-export interface Wanted {
-  unit?: Unit;
-  up?: Up;
-}
-
 export interface Reading {
   mesh: TriangleMesh;
   notes: Note[]; // what its reader has to tell

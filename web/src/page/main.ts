@@ -1,5 +1,6 @@
 /** The studio as a page. */
 
+import { breathe } from "../core/breathe";
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
 import { PIECE_S } from "../painter/painter";
@@ -19,6 +20,9 @@ import { LayerList } from "./layer_list";
 import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
 import { Keeper } from "./keeper";
+import { filled, MeshError } from "../files/mesh_error";
+import { SUFFIXES, UNITS_MM, UP_AXES, type Unit } from "../files/wanted";
+import { bringObject, Cancelled, type OwnFile, type OwnObject } from "./own_object";
 import { Stage, StageError } from "./stage";
 import { choose, language, named, say, type Texts } from "./texts";
 
@@ -32,7 +36,10 @@ const SEEN = 2000; // vertices, at most, that the picture is fitted to
 const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
 const ERASER_END = 5; // the button that a pen's other end says
 const WRITTEN_FASTER = 3.0; // than the planned hand goes
-const MESH = /\.(glb|gltf|obj|ply|stl)$/i;
+const RECORDING = /\.jsonl$/i;
+const SLICE_MS = 40; // that the page works before it looks whether something is asked of it
+const OWN_MM = 0.4;
+const FINENESS_MM = [0.2, 0.3, 0.4, 0.6, 0.8, 1.6];
 const TAP_PX = 12; // that a tap may slip
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
@@ -62,6 +69,7 @@ class Page {
   #tapping: PointerEvent | null = null; // that is down there
   #tapped: ((event: PointerEvent) => void) | null = null; // what is done where the object is tapped next
   #writes = false; // a planned hand
+  #opens = false; // a file
   readonly #layers = new LayerList((edit) => this.#restack(edit));
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
   readonly #stage: Stage;
@@ -69,7 +77,8 @@ class Page {
   #painting: Document | null = null;
   #camera: Camera | null = null;
   #hand: Hand | null = null;
-  #object = 0;
+  #object = 0; // of `#objects`
+  #own: OwnObject | null = null; // that was brought last
   #brush = "";
   #ink = "";
   #dipAlways = true;
@@ -136,7 +145,18 @@ class Page {
     console.error(cause);
   }
 
-  /** Open the folder's first object. */
+  /** What can be painted on: the folder's, and what somebody has brought. */
+  get #objects(): Contents["objects"] {
+    const own = this.#own === null ? [] : [this.#own.about];
+    return [...(this.#studio?.contents.objects ?? []), ...own];
+  }
+
+  /** Whether the piece is on what somebody has brought. */
+  get #isOnOwn(): boolean {
+    return this.#own !== null && this.#painting?.about === this.#own.about;
+  }
+
+  /** Open the piece that is kept, or the folder's first object. */
   async begin(): Promise<void> {
     const contents = JSON.parse(
       new TextDecoder().decode(await this.#fetch("contents.json")),
@@ -145,8 +165,12 @@ class Page {
     this.#ink = contents.inks[0].name;
     this.#keeper = await Keeper.open();
     const text = (await this.#keeper?.read().catch(() => "")) ?? "";
-    if (/begin_stroke|press_seal/.test(text) && (await this.#goOn(contents, text)) === "") return;
-    await this.open(contents, 0);
+    if (/begin_stroke|press_seal/.test(text)) {
+      const file = await this.#keeper?.readObject().catch(() => undefined);
+      if ((await this.#goOn(contents, text, file)) === "") return;
+      save(new Blob([text], { type: "application/jsonl" }), "kept.score.jsonl"); // what is not opened is not lost
+    }
+    await this.open(contents, contents.objects[0]);
   }
 
   /** Open what was recorded in a page. */
@@ -154,13 +178,53 @@ class Page {
     const { studio, painting } = this.#opened();
     if (painting.isPainted && !confirm(say("leave"))) return;
     const text = await file.text();
-    const cause = await this.#goOn(studio.contents, text);
+    const own = this.#own;
+    const cause = await this.#goOn(studio.contents, text, headOf(text)?.mesh === own?.bundle.words.mesh ? own?.file : undefined);
     if (cause !== "") {
       if (this.#painting === painting) this.#message.hidden = true;
-      return this.#notice(say("notOpened", { name: file.name, cause }));
+      if (cause !== say("cancel")) this.#notice(say("notOpened", { name: file.name, cause }));
+      return;
     }
-    this.#keeper?.begin();
+    this.#keeper?.begin(this.#isOnOwn ? (this.#own?.file ?? null) : null);
     this.#keeper?.append(this.score());
+  }
+
+  /** Paint on a file's object. */
+  async #bring(file: OwnFile): Promise<void> {
+    const { studio, painting } = this.#opened();
+    if (painting.isPainted && !confirm(say("leave"))) return this.showBar();
+    try {
+      const own = await this.#prepared(studio.contents, file);
+      await this.open(studio.contents, own.about, undefined, "", own);
+      if (own.notes.length > 0)
+        this.#notice(say("told", { name: file.name, notes: own.notes.map((note) => filled(note)).join("; ") }));
+    } catch (cause) {
+      if (this.#painting === painting) this.#message.hidden = true;
+      this.showBar();
+      if (cause instanceof Cancelled) return;
+      if (cause instanceof MeshError) return this.#notice(say("notOpened", { name: file.name, cause: cause.message }));
+      throw cause;
+    }
+  }
+
+  /** Have a file's object prepared, while it is said how far that is. */
+  #prepared(contents: Contents, file: OwnFile): Promise<OwnObject> {
+    const stop = new AbortController();
+    const progress = (share: number): void =>
+      showMessage(say("reading", { name: file.name, percent: Math.round(100 * share) }), () => stop.abort());
+    progress(0);
+    return bringObject(this.#fetch, contents, file, progress, stop.signal);
+  }
+
+  /** Open what was dropped or chosen: a recording, or an object. */
+  #openFile(file: File): void {
+    if (this.#opens) return;
+    this.#opens = true;
+    const opened = RECORDING.test(file.name)
+      ? this.#load(file)
+      : file.arrayBuffer().then((data) =>
+          this.#bring({ name: file.name, data: new Uint8Array(data), resolution: OWN_MM, wanted: {} }));
+    opened.catch((cause: unknown) => this.fail(cause)).finally(() => (this.#opens = false));
   }
 
   /** Say something below the picture for a while. */
@@ -172,23 +236,33 @@ class Page {
   }
 
   /** Open the piece that a score of a page says; "", or why it cannot be. */
-  async #goOn(contents: Contents, text: string): Promise<string> {
+  async #goOn(contents: Contents, text: string, file?: OwnFile): Promise<string> {
     const [brushBefore, inkBefore] = [this.#brush, this.#ink];
     try {
       const head = headOf(text);
       if (head === null) return say("noHead");
       const [object, mm] = [String(head.object), Number(head.resolution_mm)];
-      const place = contents.objects.findIndex((one) => one.name === object && one.resolution === mm);
-      if (place < 0) return say("noObject", { object, mm });
+      let about = contents.objects.find((one) => one.name === object && one.resolution === mm);
+      let own: OwnObject | null = null;
+      if (about === undefined && file !== undefined) {
+        own = this.#own?.file === file && file.resolution === mm ? this.#own
+          : await this.#prepared(contents, { ...file, resolution: mm });
+        about = { ...own.about, name: object };
+        own = { ...own, about };
+      }
+      if (about === undefined)
+        return SUFFIXES.some((suffix) => object.toLowerCase().endsWith(suffix))
+          ? say("ownFirst", { object }) : say("noObject", { object, mm });
       const ink = inkOf(contents, head.ink);
       if (ink === undefined) return say("noInk", { ink: JSON.stringify(head.ink) });
       this.#brush = String(head.brush);
       this.#ink = ink.name;
-      await this.open(contents, place, head.material as string | undefined, text);
+      await this.open(contents, about, head.material as string | undefined, text, own);
       return "";
     } catch (cause) {
       console.warn("the piece cannot be opened:", cause);
       [this.#brush, this.#ink] = [brushBefore, inkBefore];
+      if (cause instanceof Cancelled) return say("cancel");
       if (cause instanceof Missing) return say(cause.key, cause.fields);
       if (cause instanceof UnknownNameError) return say("noName", { kind: say(cause.kind), name: cause.unknown });
       return cause instanceof Error ? cause.message : String(cause);
@@ -196,31 +270,36 @@ class Page {
   }
 
   /** Open an object, fresh. */
-  async open(contents: Contents, place: number, material?: string, score = ""): Promise<void> {
-    const about = contents.objects[place];
+  async open(
+    contents: Contents, about: Contents["objects"][number], material?: string, score = "", own: OwnObject | null = null,
+  ): Promise<void> {
     this.tell("loading", { name: named(about) });
     // its own kernels, whose memory goes with them
     const studio = await Studio.open(this.#fetch);
-    const painting = await Document.open(studio, about, this.#brush, this.#ink, material);
+    const painting = await Document.open(studio, about, this.#brush, this.#ink, material, own?.bundle);
     if (score !== "") {
       const isSame = headOf(score)?.mesh === painting.surface.object.words.mesh;
       if (!isSame) throw new Missing("otherMesh", { object: named(about) });
-      let shown = performance.now();
+      let isCancelled = false;
+      let since = performance.now();
       await painting.repeat(studio, score, async (share) => {
-        if (performance.now() - shown < 100.0) return;
-        this.tell("repeating", { percent: Math.round(100 * share) });
-        await new Promise((done) => setTimeout(done));
-        shown = performance.now();
+        if (performance.now() - since < SLICE_MS) return;
+        showMessage(say("repeating", { percent: Math.round(100 * share) }), () => (isCancelled = true));
+        await breathe();
+        if (isCancelled) throw new Cancelled();
+        since = performance.now();
       });
       this.#brush = painting.painter.brush.name;
       this.#ink = inkOf(contents, painting.dipped)?.name ?? this.#ink;
       painting.takeNew(); // which is kept
     } else {
-      this.#keeper?.begin();
+      this.#keeper?.begin(own?.file ?? null);
       this.#keeper?.append(painting.takeNew());
     }
-    this.#object = place;
+    await breathe();
+    if (own !== null) this.#own = own;
     this.#studio = studio;
+    this.#object = this.#objects.indexOf(about);
     this.#painting = painting;
     const { arrays, nBaseVertices: n } = painting.surface.paintMesh;
     const [middle, radius] = ballAround(arrays.px.data, arrays.py.data, arrays.pz.data, n);
@@ -238,6 +317,7 @@ class Page {
     }); // prettier-ignore
     this.#setPress(this.#press);
     this.#stage.open(painting, flat);
+    await breathe();
     this.#tapped = null;
     if (painting.texts.length > 0) await this.#openCopybook();
     else this.#showTexts();
@@ -256,7 +336,7 @@ class Page {
     const { contents } = studio;
     document.title = say("title");
     element("hint").textContent = say(matchMedia("(pointer: coarse)").matches ? "hintTouch" : "hint");
-    const objects = contents.objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
+    const objects = this.#objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
     const filled = document.createElement("span");
     filled.id = "ink";
     for (const [key, value] of Object.entries({ role: "meter", "aria-valuemin": "0", "aria-valuemax": "100" }))
@@ -310,7 +390,7 @@ class Page {
         note(say(this.#keeper === null ? "notKept" : "kept"))),
       section(say("goOn"),
         button("load", say("load"), () =>
-          askForFile(".jsonl", (file) => this.#load(file).catch((cause: unknown) => this.fail(cause))))),
+          askForFile(".jsonl", (file) => this.#openFile(file)))),
     ); // prettier-ignore
     this.#panel.fill("more",
       section(say("piece"),
@@ -318,7 +398,9 @@ class Page {
         choice("material", say("material"), contents.materials.map(named),
           contents.materials.findIndex((one) => one.name === this.#painting?.surface.material.name),
           (k) => this.#change(this.#object, contents.materials[k].name)),
-        button("fresh", say("fresh"), () => this.#change(this.#object, this.#painting?.surface.material.name))),
+        ...this.#ownControls(),
+        button("fresh", say("fresh"), () => this.#change(this.#object, this.#painting?.surface.material.name)),
+        button("own", say("ownObject"), () => askForFile(SUFFIXES.join(","), (file) => this.#openFile(file)))),
       section(say("water"),
         tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
         button("dry", say("dry"), () => this.#act(() => this.#opened().painting.dry()))),
@@ -330,6 +412,26 @@ class Page {
     this.#showLayers();
     this.#showTexts();
     this.#showState();
+  }
+
+  /** How the file of one's own object is read. */
+  #ownControls(): HTMLElement[] {
+    if (!this.#isOnOwn || this.#own === null) return [];
+    const { file } = this.#own;
+    const again = (change: Partial<OwnFile>): void => {
+      this.#bring({ ...file, ...change }).catch((cause: unknown) => this.fail(cause));
+    };
+    const told = say("asTold");
+    const units = Object.keys(UNITS_MM) as Unit[];
+    const chosen = <T>(all: readonly T[], one: T | undefined): number => (one === undefined ? 0 : all.indexOf(one) + 1);
+    return [
+      choice("unit", say("unit"), [told, ...units], chosen(units, file.wanted.unit),
+        (k) => again({ wanted: { ...file.wanted, unit: k === 0 ? undefined : units[k - 1] } })),
+      choice("up", say("upAxis"), [told, ...UP_AXES], chosen(UP_AXES, file.wanted.up),
+        (k) => again({ wanted: { ...file.wanted, up: k === 0 ? undefined : UP_AXES[k - 1] } })),
+      choice("fineness", say("fineness"), FINENESS_MM.map((mm) => say("size", { mm })), FINENESS_MM.indexOf(file.resolution),
+        (k) => again({ resolution: FINENESS_MM[k] })),
+    ]; // prettier-ignore
   }
 
   // -- the copybook ---------------------------------------------------------------------------
@@ -504,7 +606,9 @@ class Page {
     const painting = this.#painting;
     if (this.#studio === null) return;
     if (painting?.isPainted === true && !confirm(say("leave"))) return this.showBar();
-    this.open(this.#studio.contents, place, material).catch((cause: unknown) => this.fail(cause));
+    const about = this.#objects[place];
+    const own = about === this.#own?.about ? this.#own : null;
+    this.open(this.#studio.contents, about, material, "", own).catch((cause: unknown) => this.fail(cause));
   }
 
   #takeBrush(name: string): void {
@@ -672,7 +776,7 @@ class Page {
 
   #name(): string {
     const when = new Date().toISOString().slice(0, 19).replace(/[:T]/g, "-");
-    return `${this.#opened().painting.about.name}-${when}`;
+    return `${this.#opened().painting.about.name.replace(/\.\w+$/, "")}-${when}`;
   }
 
   // -- the picture ----------------------------------------------------------------------------
@@ -730,6 +834,7 @@ class Page {
     const heard = (work: (event: PointerEvent) => void) => (event: PointerEvent) => {
       if (this.#painting === null) return;
       event.preventDefault();
+      if (!this.#message.hidden) return; // another piece is being opened
       try {
         work(event);
       } catch (cause) {
@@ -769,8 +874,7 @@ class Page {
       event.preventDefault();
       const file = event.dataTransfer?.files[0];
       if (file === undefined || this.#painting === null || this.#writes) return;
-      if (MESH.test(file.name)) this.#notice(say("ownObject", { name: file.name }));
-      else this.#load(file).catch((cause: unknown) => this.fail(cause));
+      this.#openFile(file);
     });
     addEventListener("visibilitychange", () => this.#keep());
     addEventListener("beforeunload", (event) => {
@@ -974,10 +1078,20 @@ function inkOf(contents: Contents, parts: unknown): Contents["inks"][number] | u
   return contents.inks.find((one) => JSON.stringify(one.parts) === JSON.stringify(parts));
 }
 
-/** Say something in place of the picture. */
-function showMessage(text: string): void {
+/** Say something in place of the picture; what goes on meanwhile may be cancelled. */
+function showMessage(text: string, cancel?: () => void): void {
   const message = element("message");
+  const words = message.firstElementChild;
+  if (words !== null && cancel !== undefined && !message.hidden) {
+    words.textContent = text; // the button stays the same, so that a press of it is not lost
+    return;
+  }
   message.textContent = text;
+  if (cancel !== undefined) {
+    const said = document.createElement("p");
+    said.textContent = text;
+    message.replaceChildren(said, button("cancel", say("cancel"), cancel));
+  }
   message.classList.add("said");
   message.hidden = false;
 }

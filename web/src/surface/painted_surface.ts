@@ -9,7 +9,7 @@ import type { Argument, Kernels } from "../core/kernels";
 import type { Material, Pigment } from "../colour/materials";
 import { GlazeModel } from "../colour/glazing";
 import { ColourModel } from "../colour/vertex_colours";
-import { PaintMesh, readTree, type ContactTree, type ObjectWords } from "../mesh/refined_mesh";
+import type { ContactTree, ObjectWords, PaintMesh } from "../mesh/refined_mesh";
 import type { Ground, Studio } from "../studio";
 import { DryLayers, type KeptRows } from "./dry_layers";
 import { Water, type KeptFlow } from "./flow";
@@ -52,8 +52,6 @@ export interface Snapshot extends BrushLoad {
 }
 
 export class PaintedSurface {
-  readonly paintMesh: PaintMesh;
-  readonly contactTree: ContactTree;
   readonly pigments: Pigment[] = [];
   readonly material: Material;
   ink: InkField;
@@ -73,11 +71,11 @@ export class PaintedSurface {
     private readonly studio: Studio,
     readonly object: Bundle<ObjectWords>,
     private readonly ground: Ground,
+    readonly paintMesh: PaintMesh,
+    readonly contactTree: ContactTree,
   ) {
     this.material = ground.material;
-    this.paintMesh = new PaintMesh(kernels, object);
     this.paintMesh.layPaper(Math.sqrt(2.0 * this.material.grain));
-    this.contactTree = readTree(kernels, object, "contact");
     const capacity = this.paintMesh.capacity;
     this.codes = kernels.zeros("u1", capacity, 3);
     this.#fillBare(0);
