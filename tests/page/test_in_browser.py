@@ -29,6 +29,8 @@ from paint3d.page.folder import KERNELS, PageObject, build_page
 from paint3d.recording.score import load_score
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.chromium import Browser, browser_path, opened, served
+from tests.support.descriptors import combined_mouse
+from tests.support.web_hid import as_a_browser_has_it
 from tests.support.web_page import built_page, hashes_of, why_no_kernels
 
 pytestmark = [
@@ -707,6 +709,68 @@ def test_a_mouse_paints_by_a_made_pressure_and_the_right_button_turns(browser: B
         assert (settled(browser)["amounts"] == bare["amounts"]) == (kind == "right")
         strokes = browser.evaluate("paint3d.score()").count("begin_stroke")
         assert strokes == (kind == "left")
+
+
+FAKE_MOUSE = """
+class FakeMouse extends EventTarget {
+  vendorId = 0x256f; productId = 0xc635; productName = 'SpaceMouse Compact'; opened = false;
+  constructor(collections) { super(); this.collections = collections; }
+  async open() { this.opened = true; }
+  async close() { this.opened = false; }
+  send(reportId, ...bytes) {
+    const event = new Event('inputreport');
+    Object.assign(event, { reportId, data: new DataView(Uint8Array.from(bytes).buffer) });
+    this.dispatchEvent(event);
+  }
+}
+window.mouse = new FakeMouse(COLLECTIONS);
+const hid = Object.assign(new EventTarget(), {
+  getDevices: async () => [], requestDevice: async ({ filters: [{ usagePage, usage }] }) =>
+    usagePage === 1 && usage === 8 ? [window.mouse] : [],
+});
+Object.defineProperty(Navigator.prototype, 'hid', { get: () => hid, configurable: true });
+"""
+
+
+def test_a_3d_mouse_is_connected_turns_the_object_and_rests_when_it_is_silent(
+    browser: Browser, tmp_path: Path
+) -> None:
+    begin_with(browser, BOWL)
+    browser.stroke(wave(380.0, 360.0, 200.0))
+    at = "document.getElementById('{}')".format
+    browser.evaluate(
+        "Object.defineProperty(navigator, 'hid', { value: undefined, configurable: true })"
+    )
+    browser.evaluate(f"for (const _ of [1, 2]) {at('language')}.click()")
+    assert browser.evaluate(f"{at('mouse')} === null")  # where the browser has no such thing
+    browser.evaluate("delete navigator.hid")
+    collections = json.dumps(as_a_browser_has_it(combined_mouse()))
+    browser.evaluate(FAKE_MOUSE.replace("COLLECTIONS", collections) + "; 0")
+    browser.evaluate(f"for (const _ of [1, 2]) {at('language')}.click()")
+    browser.evaluate(f"{at('mouse')}.click()")
+    browser.wait_for("mouse.opened")
+    browser.wait_for(f"{at('mouse')}.textContent.includes('SpaceMouse Compact')")
+    settled(browser)
+    before = picture(browser, tmp_path / "before.png")
+    twist = "mouse.send(1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 94, 1)"  # about the vertical, fully
+    browser.evaluate(
+        f"new Promise(done => {{ let n = 0; const send = () => {{ {twist};"
+        " if (++n < 12) setTimeout(send, 30); else done(0); }; send(); })"
+    )
+    browser.evaluate("new Promise(done => setTimeout(done, 400))")  # silent
+    turned = picture(browser, tmp_path / "turned.png")
+    browser.evaluate("new Promise(done => setTimeout(done, 200))")
+    assert np.array_equal(turned, picture(browser, tmp_path / "rests.png"))
+    assert np.abs(turned - before)[60:].max() > 60.0
+    strokes = browser.evaluate("paint3d.score()").count("undo")
+    browser.evaluate("mouse.send(3, 4, 0, 0, 0)")  # the third button
+    assert browser.evaluate("paint3d.score()").count("undo") == strokes + 1
+    browser.evaluate("mouse.send(3, 1, 0, 0, 0)")  # the first: seen as at first
+    settled(browser)
+    bare = picture(browser, tmp_path / "bare.png")
+    assert np.abs(bare - before)[60:].max() > 60.0  # the stroke is taken back
+    browser.evaluate(f"{at('mouse')}.click()")
+    browser.wait_for("!mouse.opened")
 
 
 def test_it_speaks_both_languages(browser: Browser) -> None:

@@ -18,6 +18,11 @@ import { readMesh } from "./files/reading";
 import type { Wanted } from "./files/wanted";
 import type { ObjectWords } from "./mesh/refined_mesh";
 import { digestOf } from "./mesh/triangle_mesh";
+import type { Vector } from "./core/quaternion";
+import { dot, minus, times } from "./core/vectors";
+import { decodeReport, findMouseLayout, MOUSE_AT_REST, type Collection } from "./device/six_dof";
+import { deflection, quirksOf } from "./device/space_mouse";
+import { Camera } from "./page/camera";
 import { Document } from "./page/document";
 import { FULL_DIP, type DipAmount } from "./brush/brush";
 import { Painter } from "./painter/painter";
@@ -27,6 +32,8 @@ import { Studio } from "./studio";
 
 interface Asked {
   score?: string; // a whole painting, by a page
+  mouse?: { collections: Collection[]; reports: [number, number[]][] }; // a 3-D mouse
+  seconds?: number; // that it steers for at the last report's deflection
   own?: string; // a file that it is painted on
   wanted?: Wanted;
   recording: string;
@@ -99,6 +106,24 @@ async function read(path: string, wanted?: Wanted): Promise<unknown> {
   }
 }
 
+/** What a 3-D mouse's reports say, and where a camera sees some places before and after it has steered. */
+function steer({ collections, reports }: NonNullable<Asked["mouse"]>, seconds: number): unknown {
+  const layout = findMouseLayout(collections);
+  let reading = MOUSE_AT_REST;
+  const readings = reports.map(([id, bytes]) => {
+    reading = decodeReport(layout, id, new DataView(Uint8Array.from(bytes).buffer), reading);
+    return { ...reading, deflection: deflection(reading.axes, quirksOf(0, 0)) };
+  });
+  const camera = new Camera([1, 2, 3], 50.0, false, [[1, 2, 3], [20, 0, 0]]);
+  const places: Vector[] = [[0, 0, 0], [30, 0, 0], [0, 30, 5]];
+  const seen = (): number[][] => places.map((place) => camera.axes.map((axis) => dot(axis, minus(place, camera.eye))));
+  const [axes, eye, before] = [camera.axes, camera.eye, seen()];
+  const [x, y, z, rx, ry, rz] = readings[readings.length - 1].deflection;
+  const [n, step] = [1000, seconds / 1000];
+  for (let k = 0; k < n; k++) camera.steer(times([x, y, z], 150.0 * step), times([rx, ry, rz], 1.5 * step));
+  return { readings, axes, eye, before, after: seen(), places };
+}
+
 function hashes(surface: PaintedSurface): Record<string, unknown> {
   const n = surface.nVertices;
   return {
@@ -111,6 +136,7 @@ function hashes(surface: PaintedSurface): Record<string, unknown> {
 
 async function paint(studio: Studio, asked: Asked): Promise<unknown> {
   if (asked.score !== undefined) return repeat(studio, asked.score, asked.own, asked.wanted);
+  if (asked.mouse !== undefined) return steer(asked.mouse, asked.seconds ?? 0.0);
   if (asked.own !== undefined) return read(asked.own, asked.wanted);
   const surface = await studio.surface(asked.object, asked.resolution, asked.material);
   const painter = new Painter(

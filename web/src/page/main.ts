@@ -3,6 +3,9 @@
 import { breathe } from "../core/breathe";
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
+import { times } from "../core/vectors";
+import { MULTI_AXIS } from "../device/six_dof";
+import { hidOf, SpaceMouse, type HidDevice } from "../device/space_mouse";
 import { PIECE_S } from "../painter/painter";
 import { Studio, UnknownNameError, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
@@ -40,6 +43,9 @@ const RECORDING = /\.jsonl$/i;
 const SLICE_MS = 40; // that the page works before it looks whether something is asked of it
 const OWN_MM = 0.4;
 const FINENESS_MM = [0.2, 0.3, 0.4, 0.6, 0.8, 1.6];
+const SPEED_MM_S = 150.0; // of a 3-D mouse at full deflection
+const TURN_RAD_S = 1.5;
+const [RECENTRE, DIP, UNDO, REDO] = [1, 2, 4, 8]; // its buttons, as bits
 const TAP_PX = 12; // that a tap may slip
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
@@ -96,6 +102,9 @@ class Page {
   #turning: { pointer: number; pans: boolean; x: number; y: number } | null = null;
   #penAt = -Infinity;
   #keeper: Keeper | null = null;
+  #mouse: SpaceMouse | null = null;
+  #steeredMs = 0.0; // up to when it has steered
+  #isSteered = false; // at the last frame
 
   constructor() {
     this.#stage = new Stage(this.#canvas);
@@ -406,7 +415,8 @@ class Page {
         button("dry", say("dry"), () => this.#act(() => this.#opened().painting.dry()))),
       section(say("hand"),
         slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on))),
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
+        ...(hidOf() === null ? [] : [button("mouse", this.#mouseText(), () => this.#plug())])),
       section(say("page"), button("language", say("language"), () => this.#speak())),
     ); // prettier-ignore
     this.#showLayers();
@@ -731,6 +741,80 @@ class Page {
     return { studio, painting, camera, hand };
   }
 
+  // -- a 3-D mouse ----------------------------------------------------------------------------
+
+  #mouseText(): string {
+    return this.#mouse === null ? say("connect") : say("disconnect", { name: this.#mouse.device.productName });
+  }
+
+  /** Connect a 3-D mouse that is chosen, or let go of the one that is. */
+  #plug(): void {
+    const [hid, mouse] = [hidOf(), this.#mouse];
+    if (hid === null) return;
+    if (mouse !== null) {
+      this.#mouse = null;
+      this.showBar();
+      void mouse.stop();
+      return;
+    }
+    SpaceMouse.choose(hid).then(
+      (device) => (device === null ? undefined : this.#take(device)),
+      (cause: unknown) => this.fail(cause),
+    );
+  }
+
+  async #take(device: HidDevice): Promise<void> {
+    try {
+      const moved = (): void => {
+        if (!this.#isSteered) this.#steeredMs = performance.now();
+        this.draw();
+      };
+      const mouse = new SpaceMouse(device, moved, (buttons) => this.#press3d(buttons));
+      await mouse.start();
+      this.#mouse = mouse;
+    } catch (cause) {
+      const said = cause instanceof Error ? cause.message : String(cause);
+      this.#notice(say("mouseRefused", { name: device.productName, cause: said }));
+    }
+    this.showBar();
+  }
+
+  /** Take a mouse that was allowed before, and hear of one that goes. */
+  async findMouse(): Promise<void> {
+    const hid = hidOf();
+    if (hid === null) return;
+    hid.addEventListener("disconnect", (event) => {
+      if ((event as Event & { device: HidDevice }).device !== this.#mouse?.device) return;
+      this.#mouse = null;
+      this.showBar();
+    });
+    const isMouse = ({ collections }: HidDevice): boolean =>
+      collections.some(({ usagePage, usage }) => usagePage === MULTI_AXIS.usagePage && usage === MULTI_AXIS.usage);
+    const known = (await hid.getDevices()).find(isMouse);
+    if (known !== undefined) await this.#take(known);
+  }
+
+  #press3d(buttons: number): void {
+    if (this.#painting === null || this.#writes) return;
+    if (buttons & RECENTRE) this.#showAll();
+    if (buttons & DIP) this.#act(() => this.#dip());
+    if (buttons & UNDO) this.#step(() => this.#opened().painting.undo());
+    if (buttons & REDO) this.#step(() => this.#opened().painting.redo());
+  }
+
+  /** Let the object move and turn as the cap is deflected. */
+  #steer(now: number): void {
+    const seconds = Math.min(now - this.#steeredMs, 100.0) * 1e-3;
+    this.#steeredMs = now;
+    const rates = this.#mouse?.deflectionAt(now) ?? null;
+    this.#isSteered = rates !== null;
+    if (rates === null || this.#camera === null) return;
+    this.#isMoved = true;
+    const [x, y, z, rx, ry, rz] = rates;
+    this.#camera.steer(times([x, y, z], SPEED_MM_S * seconds), times([rx, ry, rz], TURN_RAD_S * seconds));
+    this.draw(); // again, until it rests
+  }
+
   // -- files ----------------------------------------------------------------------------------
 
   /** Save what is seen, as PNG. */
@@ -819,6 +903,7 @@ class Page {
       try {
         this.#paint();
         this.#letPass(now);
+        this.#steer(now);
         for (const ids of this.#changed.splice(0)) this.#stage.follow(ids);
         this.#stage.draw(this.#camera);
       } catch (cause) {
@@ -1111,6 +1196,7 @@ function start(): void {
   }
   Object.assign(window, { paint3d: page });
   page.begin().catch((cause: unknown) => page.fail(cause));
+  page.findMouse().catch((cause: unknown) => console.warn("no 3-D mouse:", cause));
 }
 
 start();
