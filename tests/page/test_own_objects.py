@@ -133,6 +133,16 @@ def text(words: str) -> Callable[[Path], None]:
     return lambda path: path.write_bytes(words.encode("latin-1"))
 
 
+def damaged_glb(path: Path) -> None:
+    """A document whose primitive has a number for its attributes."""
+    document = (
+        b'{"scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}], "meshes": [{"primitives": 3}]}'
+    )
+    document += b" " * (-len(document) % 4)
+    sizes = struct.pack("<4sIIII", b"glTF", 2, 20 + len(document), len(document), 0x4E4F534A)
+    path.write_bytes(sizes + document)
+
+
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 PLY_HEAD = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
 BROKEN: dict[str, Callable[[Path], None]] = {
@@ -151,6 +161,7 @@ BROKEN: dict[str, Callable[[Path], None]] = {
     "far.obj": text("v 0 0 1e13\n" + TRIANGLE + "f 1 2 3\n"),
     "first.glb": text("glTF" + struct.pack("<II", 1, 12).decode("latin-1")),
     "car.fbx": text("Kaydara"),
+    "damaged.glb": damaged_glb,
     "thing.abc": text("?"), "nothing": text("?"),
 }  # fmt: skip
 

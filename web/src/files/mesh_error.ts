@@ -4,10 +4,11 @@
 export interface Note {
   text: string;
   fields: Record<string, unknown>;
+  plural?: string; // the text for a field `n` other than 1
 }
 
-export function noted(text: string, fields: Record<string, unknown> = {}): Note {
-  return { text, fields };
+export function noted(text: string, fields: Record<string, unknown> = {}, plural?: string): Note {
+  return { text, fields, plural };
 }
 
 export class MeshError extends Error {
@@ -21,8 +22,11 @@ export class MeshError extends Error {
 }
 
 /** A note in words; `translate` gives a text in the language that is spoken. */
-export function filled({ text, fields }: Note, translate: (text: string) => string = (same) => same): string {
-  return translate(text).replace(/\{(\w+)(!r)?(?::([^}]*))?\}/g, (_, name: string, quoted?: string, spec?: string) => {
+export function filled(
+  { text, fields, plural }: Note, translate: (text: string) => string | undefined = () => undefined,
+): string {
+  const words = translate(text) ?? (plural !== undefined && fields.n !== 1 ? plural : text);
+  return words.replace(/\{(\w+)(!r)?(?::([^}]*))?\}/g, (_, name: string, quoted?: string, spec?: string) => {
     const value = fields[name];
     if (typeof value === "object" && value !== null && "text" in value) return filled(value as Note, translate);
     if (typeof value === "number") return ofNumber(value, spec ?? "");

@@ -40,7 +40,7 @@ export function readMesh(name: string, data: Uint8Array, wanted: Wanted = {}): R
   const read = readerOf(name);
   if (data.length > MOST_BYTES) throw new MeshError("it is larger than {most:,} bytes; expected less", { most: MOST_BYTES });
   if (data.length === 0) throw new MeshError("the file is empty");
-  const raw = read(narrowed(data));
+  const raw = structured(() => read(narrowed(data)));
   check(raw);
   const turn = TURNS[wanted.up ?? raw.up ?? "z"];
   const unit = wanted.unit === undefined ? (raw.unitMm ?? 1.0) : UNITS_MM[wanted.unit];
@@ -63,8 +63,8 @@ export function readMesh(name: string, data: Uint8Array, wanted: Wanted = {}): R
   for (let t = 0; t < faces.length; t += 3) distinct += Number(isDistinct(t));
   const n = faces.length / 3 - distinct;
   if (n > 0 && distinct > 0) {
-    const text = n === 1 ? "left out {n:,} face that names a vertex twice" : "left out {n:,} faces that name a vertex twice";
-    notes.push(noted(text, { n }));
+    const text = "left out {n:,} face that names a vertex twice";
+    notes.push(noted(text, { n }, "left out {n:,} faces that name a vertex twice"));
     faces = faces.filter((_, k) => isDistinct(k - (k % 3)));
   }
   if (faces.length > 3 * MOST_TRIANGLES)
@@ -73,6 +73,18 @@ export function readMesh(name: string, data: Uint8Array, wanted: Wanted = {}): R
     }); // prettier-ignore
   const mesh = makeMesh(name.split(".")[0], vertices, faces, raw.colours, unitNormals(normals, vertices, faces));
   return { mesh, notes };
+}
+
+/** What damaged structure makes a reader stumble over, in words. */
+function structured<T>(read: () => T): T {
+  try {
+    return read();
+  } catch (cause) {
+    if (cause instanceof MeshError || cause instanceof RangeError) throw cause; // the latter: no memory
+    throw new MeshError("its structure is damaged: {cause}", {
+      cause: noted("a part of it is of another kind than is expected there"),
+    }); // prettier-ignore
+  }
 }
 
 function readerOf(name: string): (data: Uint8Array) => RawMesh {

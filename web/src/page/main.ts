@@ -23,11 +23,11 @@ import { LayerList } from "./layer_list";
 import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
 import { Keeper } from "./keeper";
-import { filled, MeshError } from "../files/mesh_error";
+import { MeshError, type Note } from "../files/mesh_error";
 import { SUFFIXES, UNITS_MM, UP_AXES, type Unit } from "../files/wanted";
 import { bringObject, Cancelled, type OwnFile, type OwnObject } from "./own_object";
 import { Stage, StageError } from "./stage";
-import { choose, language, named, say, type Texts } from "./texts";
+import { choose, language, named, say, sayNotes, type Texts } from "./texts";
 
 // What SIMD is tried by: a function whose body is one instruction of it.
 const SIMD = new Uint8Array([
@@ -205,15 +205,23 @@ class Page {
     try {
       const own = await this.#prepared(studio.contents, file);
       await this.open(studio.contents, own.about, undefined, "", own);
-      if (own.notes.length > 0)
-        this.#notice(say("told", { name: file.name, notes: own.notes.map((note) => filled(note)).join("; ") }));
+      if (own.notes.length > 0) this.#notice(say("told", { name: file.name, notes: await this.#inWords(...own.notes) }));
     } catch (cause) {
       if (this.#painting === painting) this.#message.hidden = true;
       this.showBar();
       if (cause instanceof Cancelled) return;
-      if (cause instanceof MeshError) return this.#notice(say("notOpened", { name: file.name, cause: cause.message }));
+      if (cause instanceof MeshError)
+        return this.#notice(say("notOpened", { name: file.name, cause: await this.#inWords(cause.note) }));
       throw cause;
     }
+  }
+
+  /** Notes on a file in the language that is spoken. */
+  async #inWords(...notes: Note[]): Promise<string> {
+    if (language() === "en") return sayNotes(notes, {});
+    const read = async (): Promise<Record<string, string>> =>
+      JSON.parse(new TextDecoder().decode(await this.#fetch("notes.zh.json"))) as Record<string, string>;
+    return sayNotes(notes, await read().catch(() => ({})));
   }
 
   /** Have a file's object prepared, while it is said how far that is. */

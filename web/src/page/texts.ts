@@ -1,5 +1,7 @@
 /** What the page says, in English and in Chinese. */
 
+import { filled, type Note } from "../files/mesh_error";
+
 const ENGLISH = {
   title: "paint3d",
   object: "On",
@@ -247,4 +249,20 @@ export function say(key: keyof Texts, fields: Record<string, string | number> = 
 export function named(thing: { name: string; chinese: string }): string {
   if (spoken === "zh" && thing.chinese !== "") return thing.chinese;
   return thing.name;
+}
+
+// What the desktop's catalogue does not know of notes on files.
+const CHINESE_NOTES: Record<string, string> = {
+  "a page does not read {suffix}, the desktop does; expected one of {known}":
+    "网页不能读取 {suffix}（桌面版可以），可用的格式有 {known}",
+  "its structure is damaged: {cause}": "结构已损坏：{cause}",
+  "it has {n:,} triangles; a page takes {most:,} at most: Blender can decimate it":
+    "它有 {n:,} 个三角形，网页最多可用 {most:,} 个：可用 Blender 精简",
+};
+
+/** Notes on a file in the language that is spoken; `chinese`: the catalogue's. */
+export function sayNotes(notes: readonly Note[], chinese: Record<string, string>): string {
+  const translate = (text: string): string | undefined =>
+    spoken === "zh" ? (CHINESE_NOTES[text] ?? chinese[text]) : undefined;
+  return notes.map((note) => filled(note, translate)).join(spoken === "zh" ? "；" : "; ");
 }

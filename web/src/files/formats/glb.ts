@@ -72,6 +72,63 @@ function listed(value: unknown): unknown[] {
   return Array.isArray(value) ? (value as unknown[]) : [];
 }
 
+// ---- Kinds ------------------------------------------------------------------------------------
+
+type PartKind = "object" | "list" | "string";
+const KINDS: Record<string, Note | string> = {
+  object: noted("an object"), list: noted("a list"), string: noted("a text"), null: "null",
+  boolean: noted("true or false"), number: noted("a number"),
+}; // prettier-ignore
+const PARTS: Record<string, Record<string, PartKind>> = { // what is read of the entries of each list
+  accessors: { sparse: "object" },
+  buffers: { uri: "string" },
+  bufferViews: { extensions: "object" },
+  images: { uri: "string" },
+  materials: { pbrMetallicRoughness: "object", extensions: "object" },
+  meshes: { primitives: "list" },
+  nodes: { extensions: "object", children: "list", matrix: "list", rotation: "list", scale: "list", translation: "list" },
+  samplers: {},
+  scenes: { nodes: "list" },
+  textures: { extensions: "object" },
+}; // prettier-ignore
+
+function kindOf(value: unknown): string {
+  return value === null ? "null" : Array.isArray(value) ? "list" : typeof value;
+}
+
+/** Refuse a document that is of another version, or whose parts are of another kind. */
+function checkKinds(document: Row): void {
+  const expect = (value: unknown, kind: PartKind, place: string): void => {
+    if (kindOf(value) !== kind)
+      throw new MeshError("its {place} is {found}; expected {kinds}", { place, found: KINDS[kindOf(value)], kinds: KINDS[kind] });
+  };
+  const check = (entry: Row, kinds: Record<string, PartKind>, place: string): void => {
+    for (const [name, kind] of Object.entries(kinds)) if (name in entry) expect(entry[name], kind, `${place}${name}`);
+  };
+  check(document, { asset: "object", extensionsRequired: "list", extensionsUsed: "list" }, "");
+  const version = String((document.asset as Row | undefined)?.version ?? "2.0");
+  if (!version.startsWith("2.")) throw new MeshError("it is glTF version {version:.20}; expected 2", { version });
+  if (kindOf(document.scenes) === "object")
+    throw new MeshError("its scenes are named, as in glTF version 1; expected 2"); // not counted
+  check(document, Object.fromEntries(Object.keys(PARTS).map((name) => [name, "list"])), "");
+  for (const [name, kinds] of Object.entries(PARTS))
+    for (const [k, entry] of (listed(document[name]) as Row[]).entries()) {
+      const place = `${name}[${k}]`;
+      expect(entry, "object", place);
+      check(entry, kinds, `${place}.`);
+      if (name === "meshes")
+        for (const [j, part] of (listed(entry.primitives) as Row[]).entries()) {
+          expect(part, "object", `${place}.primitives[${j}]`);
+          check(part, { attributes: "object", extensions: "object" }, `${place}.primitives[${j}].`);
+        }
+      else if (name === "materials")
+        check((entry.pbrMetallicRoughness as Row | undefined) ?? {}, { baseColorTexture: "object", baseColorFactor: "list" },
+          `${place}.pbrMetallicRoughness.`); // prettier-ignore
+    }
+}
+
+// ---- The file ---------------------------------------------------------------------------------
+
 class File {
   readonly document: Row;
   #binary: Uint8Array | null = null;
@@ -111,6 +168,7 @@ class File {
     if (typeof document !== "object" || document === null || Array.isArray(document))
       throw new MeshError("its JSON is not an object; expected a glTF document");
     this.document = document as Row;
+    checkKinds(this.document);
   }
 
   /** One entry of a top-level list such as "nodes". */
