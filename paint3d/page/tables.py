@@ -92,7 +92,6 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
         "rgb_weights": rgb_weights(),
         "srgb_primaries": srgb_primaries().astype(np.float32),
         "fibre_frames": fibre_frames(),
-        "sky_rays": _sky_rays(),
         "decoded_codes": decode_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32),
         **{f"K.{pigment.name}": pigment.K for pigment in pigments},
         **{f"S.{pigment.name}": pigment.S for pigment in pigments},
@@ -254,23 +253,19 @@ def _openness(
     surface: ClosestPoints, points: AnyArray, normals: AnyArray, faces: AnyArray
 ) -> NDArray[np.uint8]:
     """How much light of an even sky each vertex gets (N,), 255 where nothing is in its way."""
+    k = np.arange(_RAYS)
+    share, turn = (k + 0.5) / _RAYS, _GOLDEN_ANGLE * k
+    # about the normal, denser near it, as its light counts (Malley's method)
+    across, up = np.sqrt(share), np.sqrt(1.0 - share)
     seen = np.zeros(len(points))
     normal = normals.astype(np.float64)
     aside = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
     aside /= np.linalg.norm(aside, axis=1)[:, None]
     ahead = np.cross(normal, aside)
     starts = points + _LIFTED_MM * normal
-    for a, h, u in _sky_rays():
+    for a, h, u in zip(across * np.cos(turn), across * np.sin(turn), up, strict=True):
         seen += ~surface.cast(starts, a * aside + h * ahead + u * normal).hit
     return np.rint(255.0 * _smoothed(seen / _RAYS, faces)).astype(np.uint8)
-
-
-def _sky_rays() -> NDArray[np.float64]:
-    """Directions (N, 3), aside, ahead and up: denser near the normal, as their light counts."""
-    k = np.arange(_RAYS)
-    share, turn = (k + 0.5) / _RAYS, _GOLDEN_ANGLE * k  # Malley's method
-    across = np.sqrt(share)
-    return np.column_stack([across * np.cos(turn), across * np.sin(turn), np.sqrt(1.0 - share)])
 
 
 def _smoothed(values: AnyArray, faces: AnyArray) -> AnyArray:

@@ -28,7 +28,6 @@ export async function openOwnObject(
   const [kernels, bundle] = await Promise.all([
     Kernels.load(wasm, index), Bundle.read<StudioWords>(common, "common.bin.gz"),
   ]); // prettier-ignore
-  const rays = bundle.numbers("sky_rays", "f8");
-  const prepared = prepare(kernels, mesh, resolution, bundle.words.preparing, rays, (share) => progress(0.1 + 0.9 * share));
+  const prepared = prepare(kernels, mesh, resolution, bundle.words.preparing, (share) => progress(0.1 + 0.9 * share));
   return { ...prepared, notes };
 }

@@ -29,7 +29,8 @@ const CRACK_MM = 0.1; // widest gap that paint goes over
 const SMOOTHINGS = 12; // of what vertices see of the sky
 const LIFTED_MM = 0.05;
 const MOST_RAYS = 1.5e6; // that this is found by
-const FEWEST_RAYS = 12; // of each vertex
+const [FEWEST_RAYS, USUAL_RAYS] = [16, 96]; // of each vertex
+const GOLDEN_ANGLE = Math.PI * (3.0 - Math.sqrt(5.0));
 
 /** Words and arrays of an object, as its file has them. */
 export interface Prepared {
@@ -47,9 +48,9 @@ interface Cells {
   cell_sheets: NDArray<"i4">;
 }
 
-/** Prepare an object; `rays` (N, 3) are directions to the sky, `progress` is told the share that is done. */
+/** Prepare an object; `progress` is told the share that is done. */
 export function prepare(
-  kernels: Kernels, mesh: TriangleMesh, resolution: number, say: Preparing, rays: Float64Array,
+  kernels: Kernels, mesh: TriangleMesh, resolution: number, say: Preparing,
   progress: (share: number) => void,
 ): Prepared {
   const base = makeBaseSurface(kernels, mesh, say);
@@ -145,7 +146,7 @@ export function prepare(
   put("closest.points", "f4", base.points.data.slice(), n, 3);
   put("closest.normals", "f4", base.normals.data.slice(), n, 3);
   progress(0.5);
-  const open = openness(kernels, arrays, say.leaf_sizes.closest, points, normals, rays,
+  const open = openness(kernels, arrays, say.leaf_sizes.closest, points, normals,
     (share) => progress(0.5 + 0.5 * share)); // prettier-ignore
   put("openness", "u1", smoothed(open, faces));
   const source = order.map((v) => base.sourceVertices[v]);
@@ -485,7 +486,7 @@ function boxTree(
 /** How much of the sky each vertex sees, 0 to 1: by fewer rays where there are many vertices. */
 function openness(
   kernels: Kernels, arrays: Record<string, Table>, leafSize: number, points: Float32Array,
-  normals: Float32Array, rays: Float64Array, progress: (share: number) => void,
+  normals: Float32Array, progress: (share: number) => void,
 ): Float64Array {
   const n = points.length / 3;
   const { order, triangles, points: places, normals: own } = Object.fromEntries(
@@ -499,8 +500,7 @@ function openness(
   const boxes = kernels.zeros("f4", 2 * leaves, 6);
   kernels.call("mesh.kernels.bvh.build_boxes", triangles, places, boxes, leafSize);
   const tree = { order, boxes, triangles, points: places, normals: own };
-  const all = rays.length / 3;
-  const used = Math.min(all, Math.max(FEWEST_RAYS, Math.floor(MOST_RAYS / n)));
+  const rays = Math.min(USUAL_RAYS, Math.max(FEWEST_RAYS, Math.floor(MOST_RAYS / n)));
   const [asked, far] = [kernels.zeros("f8", n, 6), kernels.zeros("f8", n)];
   const hit = kernels.zeros("i8", n);
   const seen = new Float64Array(n);
@@ -520,8 +520,11 @@ function openness(
       ahead[k + c] = v[i] * aside[k + j] - v[j] * aside[k + i];
     }
   }
-  for (let r = 0; r < used; r++) {
-    const [a, h, u] = rays.subarray(3 * Math.floor((r * all) / used));
+  for (let r = 0; r < rays; r++) {
+    // about the normal, denser near it, as its light counts (Malley's method)
+    const [share, turn] = [(r + 0.5) / rays, GOLDEN_ANGLE * r];
+    const [a, h] = [Math.sqrt(share) * Math.cos(turn), Math.sqrt(share) * Math.sin(turn)];
+    const u = Math.sqrt(1.0 - share);
     const rows = asked.data;
     for (let v = 0; v < n; v++)
       for (let c = 0; c < 3; c++) {
@@ -532,10 +535,10 @@ function openness(
     kernels.call("mesh.kernels.bvh.find_hits", tree, asked, far, hit);
     const distances = far.data;
     for (let v = 0; v < n; v++) if (!Number.isFinite(distances[v])) seen[v] += 1.0;
-    progress((r + 1) / used);
+    progress((r + 1) / rays);
   }
   for (const array of [...Object.values(tree), asked, far, hit]) array.free();
-  return seen.map((count) => count / used);
+  return seen.map((count) => count / rays);
 }
 
 /** Means over neighbours, a few times, 0 to 255: without the grain of the rays. */

@@ -972,7 +972,7 @@ class Page {
     addEventListener("visibilitychange", () => this.#keep());
     addEventListener("beforeunload", (event) => {
       this.#keep();
-      if (this.#painting?.isPainted === true && !this.isKept) event.preventDefault();
+      if (this.#painting?.isPainted === true && this.#keeper?.isSound !== true) event.preventDefault();
     });
   }
 

@@ -161,7 +161,7 @@ class File {
       );
     let document: unknown;
     try {
-      document = JSON.parse(new TextDecoder().decode(text));
+      document = JSON.parse(new TextDecoder("utf-8", { fatal: true }).decode(text));
     } catch (cause) {
       throw new MeshError("its JSON cannot be read: {cause}", { cause: cause instanceof Error ? cause.message : cause });
     }
