@@ -574,6 +574,23 @@ def test_an_object_of_ones_own_is_painted_on_and_is_there_again(
     assert settled(browser) == found
 
 
+def test_a_long_recording_is_cancelled_and_the_piece_in_hand_stays(browser: Browser) -> None:
+    begin_with(browser, SHEET)
+    browser.stroke(wave(350.0, 330.0))
+    before, (head, *rest) = settled(browser), browser.evaluate("paint3d.score()").splitlines()
+    rows, many = list(map(json.loads, rest)), [head]
+    for k in range(60):
+        for row in rows:
+            later = {"time_ns": row["time_ns"] + k * 10**10} if "time_ns" in row else {}
+            many.append(json.dumps(row | later))
+    drop(browser, "long.score.jsonl", "\n".join(many).encode())
+    browser.wait_for("document.querySelector('#message:not([hidden]) #cancel')")
+    browser.evaluate("document.querySelector('#cancel').click()")
+    browser.wait_for(OPEN)
+    assert settled(browser) == before
+    assert len(browser.evaluate("paint3d.score()").splitlines()) == 1 + len(rest)
+
+
 def test_a_piece_is_there_again_when_the_page_is_opened_again(
     browser: Browser, address: str
 ) -> None:
@@ -650,6 +667,7 @@ def test_yong_by_a_tilted_pen_in_the_bowl_is_filmed_and_painted_by_the_desktop(
     begin_with(browser, BOWL)
     choose(browser, "brush", 0)
     browser.wait_for("paint3d.score().includes('set_brush')")
+    choose(browser, "inks", 0)
     browser.evaluate("document.querySelector('.opener[aria-expanded=true]')?.click()")
     pictures = [picture(browser, tmp_path / "0.png")]
     pen = {"pointerType": "pen", "button": "left", "clickCount": 1, "tiltX": 30, "tiltY": 18}
@@ -685,7 +703,9 @@ def test_yong_by_a_tilted_pen_in_the_bowl_is_filmed_and_painted_by_the_desktop(
     dark = [np.count_nonzero((pictures[0] - one)[60:680] > 60.0) for one in pictures]
     assert np.mean(np.diff(dark) >= -20) > 0.9  # ink comes, and does not go
     assert dark[-1] > 3000
-    assert found == by_the_desktop(browser, tmp_path)
+    ours = by_the_desktop(browser, tmp_path)
+    print(f"in the page {found}, on the desktop {ours}")  # seen with -s
+    assert found == ours
 
 
 def test_strokes_that_follow_each_other_within_a_frame_are_all_painted(browser: Browser) -> None:
