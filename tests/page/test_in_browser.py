@@ -513,6 +513,12 @@ def test_what_cannot_be_opened_says_why(browser: Browser) -> None:
     ):
         assert said in said_of(name, text)
         assert browser.evaluate(MESSAGE) == ""
+    browser.evaluate(
+        "window.Own = Worker;"
+        "window.Worker = class { constructor() { throw Error('no workers') } }; 0"
+    )
+    assert "cup.obj cannot be opened: no workers." in said_of(name, text)
+    browser.evaluate("window.Worker = window.Own; 0")
     browser.evaluate("document.getElementById('language').click()")
     assert "无法打开 cup.obj：cup：1 个面都没有面积" in said_of(name, text)
     browser.evaluate("document.getElementById('language').click()")

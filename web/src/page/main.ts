@@ -210,9 +210,8 @@ class Page {
       if (this.#painting === painting) this.#message.hidden = true;
       this.showBar();
       if (cause instanceof Cancelled) return;
-      if (cause instanceof MeshError)
-        return this.#notice(say("notOpened", { name: file.name, cause: await this.#inWords(cause.note) }));
-      throw cause;
+      console.warn("the object cannot be opened:", cause);
+      this.#notice(say("notOpened", { name: file.name, cause: await this.#causeOf(cause) }));
     }
   }
 
@@ -280,10 +279,16 @@ class Page {
       console.warn("the piece cannot be opened:", cause);
       [this.#brush, this.#ink] = [brushBefore, inkBefore];
       if (cause instanceof Cancelled) return say("cancel");
-      if (cause instanceof Missing) return say(cause.key, cause.fields);
-      if (cause instanceof UnknownNameError) return say("noName", { kind: say(cause.kind), name: cause.unknown });
-      return cause instanceof Error ? cause.message : String(cause);
+      return this.#causeOf(cause);
     }
+  }
+
+  /** Why something cannot be opened, in the language that is spoken. */
+  async #causeOf(cause: unknown): Promise<string> {
+    if (cause instanceof Missing) return say(cause.key, cause.fields);
+    if (cause instanceof UnknownNameError) return say("noName", { kind: say(cause.kind), name: cause.unknown });
+    if (cause instanceof MeshError) return this.#inWords(cause.note);
+    return cause instanceof Error ? cause.message : String(cause);
   }
 
   /** Open an object, fresh. */
@@ -335,7 +340,10 @@ class Page {
     this.#setPress(this.#press);
     this.#stage.open(painting, flat);
     await breathe();
-    this.#tapped = null;
+    this.#tapped = this.#tapping = this.#pointer = this.#turning = null; // whatever went up meanwhile
+    this.#touches.clear();
+    this.#events = [];
+    this.#inStroke = false;
     if (painting.texts.length > 0) await this.#openCopybook();
     else this.#showTexts();
     this.#message.hidden = true;
