@@ -207,11 +207,12 @@ class Page {
       await this.open(studio.contents, own.about, undefined, "", own);
       if (own.notes.length > 0) this.#notice(say("told", { name: file.name, notes: await this.#inWords(...own.notes) }));
     } catch (cause) {
+      const said = cause instanceof Cancelled ? "" : say("notOpened", { name: file.name, cause: await this.#causeOf(cause) });
       if (this.#painting === painting) this.#message.hidden = true;
       this.showBar();
-      if (cause instanceof Cancelled) return;
+      if (said === "") return;
       console.warn("the object cannot be opened:", cause);
-      this.#notice(say("notOpened", { name: file.name, cause: await this.#causeOf(cause) }));
+      this.#notice(said);
     }
   }
 
