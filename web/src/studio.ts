@@ -117,7 +117,10 @@ export class Studio {
       const { file } = named(this.contents.brushes, "brush", name);
       brush = this.fetch(file)
         .then((bytes) => Bundle.read<BrushWords>(bytes, file))
-        .then((bundle) => new Brush(this.kernels, bundle));
+        .then(async (bundle) => {
+          await breathe();
+          return new Brush(this.kernels, bundle);
+        });
       this.#brushes.set(name, brush);
     }
     return brush;

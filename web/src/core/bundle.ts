@@ -100,10 +100,20 @@ function unpackedNumbers(
   planes: Uint8Array, size: number, width: number, lags: readonly number[],
 ): ArrayBuffer {
   const result = new ArrayBuffer(size * width);
-  const bytes = new Uint8Array(result);
-  for (let k = 0; k < width; k++)
-    for (let i = 0, at = k, from = k * size; i < size; i++, at += width) bytes[at] = planes[from + i];
   const types = { 1: Uint8Array, 2: Uint16Array, 4: Uint32Array };
+  const plane = (k: number): Uint8Array => planes.subarray(k * size, (k + 1) * size);
+  if (width === 1) new Uint8Array(result).set(plane(0));
+  else if (width === 2) {
+    const [words, a, b] = [new Uint16Array(result), plane(0), plane(1)];
+    for (let i = 0; i < size; i++) words[i] = a[i] | (b[i] << 8);
+  } else {
+    const words = new Uint32Array(result);
+    const each = width / 4; // words to a number
+    for (let part = 0; part < each; part++) {
+      const [a, b, c, d] = [0, 1, 2, 3].map((k) => plane(4 * part + k));
+      for (let i = 0, at = part; i < size; i++, at += each) words[at] = a[i] | (b[i] << 8) | (c[i] << 16) | (d[i] << 24);
+    }
+  }
   if (lags.length > 0) {
     const numbers = new types[width as 1 | 2 | 4](result);
     for (const lag of lags) for (let i = lag; i < size; i++) numbers[i] += numbers[i - lag];
