@@ -27,9 +27,15 @@ from paint3d.colour.glazing import srgb_primaries
 from paint3d.colour.layers import SAUNDERSON
 from paint3d.colour.materials import Material
 from paint3d.colour.pigments import WATER, Pigment, load_palette
-from paint3d.colour.spectra import rgb_weights, srgb_codes, srgb_from_reflectance
+from paint3d.colour.spectra import (
+    decode_srgb,
+    rgb_weights,
+    srgb_codes,
+    srgb_from_reflectance,
+)
 from paint3d.colour.vertex_colours import ColourModel, live_bands
 from paint3d.core.arrays import AnyArray
+from paint3d.mesh.base_surface import CREASE_ANGLE
 from paint3d.mesh.bvh import ClosestPoints, build_contact_tree
 from paint3d.mesh.kernels.bvh import FACES_PER_LEAF, LEAF_SIZE, ContactTree
 from paint3d.mesh.kernels.paper import MOST_ASIDE_MM
@@ -64,6 +70,12 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
     words = {
         "sizes": _sizes(),
         "saunderson": SAUNDERSON,
+        "preparing": {
+            "crease_cosine": float(np.cos(CREASE_ANGLE)),
+            "most_around_edge": MOST_AROUND_EDGE,
+            "most_aside_mm": MOST_ASIDE_MM,
+            "leaf_sizes": {"contact": LEAF_SIZE, "closest": FACES_PER_LEAF},
+        },
         "pigments": [
             {
                 "name": pigment.name,
@@ -85,6 +97,7 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
         "rgb_weights": rgb_weights(),
         "srgb_primaries": srgb_primaries().astype(np.float32),
         "fibre_frames": fibre_frames(),
+        "decoded_codes": decode_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32),
         **{f"K.{pigment.name}": pigment.K for pigment in pigments},
         **{f"S.{pigment.name}": pigment.S for pigment in pigments},
     }

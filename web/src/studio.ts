@@ -1,13 +1,15 @@
 /** What Python has made of colours, brushes and objects, opened by name (`paint3d/page`). */
 
 import { NDArray } from "./core/arrays";
+import { breathe } from "./core/breathe";
 import { Bundle } from "./core/bundle";
 import { Kernels, type KernelIndex } from "./core/kernels";
 import { Brush, type BrushWords } from "./brush/brush";
 import type { Sizes } from "./brush_engine/scratch";
 import type { Material, Pigment } from "./colour/materials";
 import type { Backing, ColourTables } from "./colour/vertex_colours";
-import type { ObjectWords } from "./mesh/refined_mesh";
+import type { Preparing } from "./mesh/base_surface";
+import { PaintMesh, readTree, type ObjectWords } from "./mesh/refined_mesh";
 import type { Ink } from "./painter/painter";
 import { PaintedSurface } from "./surface/painted_surface";
 
@@ -29,8 +31,9 @@ export interface Ground {
   backing: Backing;
 }
 
-interface StudioWords {
+export interface StudioWords {
   sizes: Sizes;
+  preparing: Preparing;
   saunderson: [number, number];
   pigments: Omit<Pigment, "K" | "S">[];
 }
@@ -57,6 +60,7 @@ export class Studio {
   readonly colourTables: ColourTables;
   readonly sizes: Sizes;
   readonly fibreFrames: Float64Array;
+  readonly decodedCodes: Float32Array; // linear light of every sRGB code
   readonly #pigments: Map<string, Pigment>;
   readonly #brushes = new Map<string, Promise<Brush>>();
 
@@ -79,6 +83,7 @@ export class Studio {
       primaries: common.numbers("srgb_primaries", "f4"),
     };
     this.fibreFrames = common.numbers("fibre_frames", "f8");
+    this.decodedCodes = common.numbers("decoded_codes", "f4");
     this.#pigments = new Map(
       common.words.pigments.map((words) => [
         words.name,
@@ -101,6 +106,7 @@ export class Studio {
     ]);
     const kernels = await Kernels.load(wasm, index);
     const bundle = await Bundle.read<StudioWords>(common, "common.bin.gz");
+    await breathe();
     return new Studio(kernels, contents, fetch, bundle);
   }
 
@@ -111,7 +117,10 @@ export class Studio {
       const { file } = named(this.contents.brushes, "brush", name);
       brush = this.fetch(file)
         .then((bytes) => Bundle.read<BrushWords>(bytes, file))
-        .then((bundle) => new Brush(this.kernels, bundle));
+        .then(async (bundle) => {
+          await breathe();
+          return new Brush(this.kernels, bundle);
+        });
       this.#brushes.set(name, brush);
     }
     return brush;
@@ -138,23 +147,29 @@ export class Studio {
     );
   }
 
-  /** A fresh object to paint on, and what ClosestPoints needs of it. */
-  async surface(
-    name: string, resolution: number, materialName?: string,
-  ): Promise<{ surface: PaintedSurface; object: Bundle<ObjectWords> }> {
+  /** A fresh object of the folder to paint on. */
+  async surface(name: string, resolution: number, material?: string): Promise<PaintedSurface> {
     const found = this.contents.objects.find((o) => o.name === name && o.resolution === resolution);
     if (found === undefined)
       throw new UnknownNameError(
         "object", `${name} at ${resolution} mm`,
         this.contents.objects.map((o) => `${o.name} at ${o.resolution} mm`),
       ); // prettier-ignore
-    const material = named(this.contents.materials, "material", materialName ?? found.material);
-    const [object, tables] = await Promise.all([
-      this.fetch(found.file).then((bytes) => Bundle.read<ObjectWords>(bytes, found.file)),
-      this.fetch(material.file).then((bytes) => Bundle.read<Material>(bytes, material.file)),
-    ]);
-    const surface = new PaintedSurface(this.kernels, this, object, groundOf(tables));
-    return { surface, object };
+    const object = await this.fetch(found.file).then((bytes) => Bundle.read<ObjectWords>(bytes, found.file));
+    return this.surfaceOf(object, material ?? found.material);
+  }
+
+  /** A fresh object to paint on, whoever prepared it. */
+  async surfaceOf(object: Bundle<ObjectWords>, materialName: string): Promise<PaintedSurface> {
+    const material = named(this.contents.materials, "material", materialName);
+    const bytes = await this.fetch(material.file);
+    const tables = await Bundle.read<Material>(bytes, material.file);
+    await breathe();
+    const mesh = new PaintMesh(this.kernels, object);
+    await breathe();
+    const tree = readTree(this.kernels, object, "contact");
+    await breathe();
+    return new PaintedSurface(this.kernels, this, object, groundOf(tables), mesh, tree);
   }
 }
 

@@ -6,10 +6,11 @@ import { GROUNDS } from "../surface/dry_layers";
 import type { Backing, ColourTables } from "./vertex_colours";
 import type { Pigment } from "./materials";
 
-/** What is below: rows of spectra, and the material. */
+/** What is below: rows of spectra, and the colours that the object came with, or the material. */
 export interface Below {
   slots: NDArray<"i4">;
   spectra: NDArray<"u2">;
+  linearRgb?: NDArray<"f4">;
 }
 
 export class GlazeModel {
@@ -36,7 +37,6 @@ export class GlazeModel {
       films: of(kernels, "f4", films, [pigments.length, 2]),
     };
     this.#ground = {
-      linear_rgb: kernels.zeros("f4", 0, 3),
       primaries: of(kernels, "f4", tables.primaries, [bands, 3]),
       material: of(kernels, "f4", backing.reflectance),
     };
@@ -68,7 +68,8 @@ export class GlazeModel {
   }
 
   #on(below: Below): Argument {
-    return { ...this.#ground, slots: below.slots, spectra: below.spectra };
+    const linear_rgb = below.linearRgb ?? this.tables.noRgb;
+    return { ...this.#ground, slots: below.slots, spectra: below.spectra, linear_rgb };
   }
 
   /** Let its tables go. */

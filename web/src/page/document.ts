@@ -3,6 +3,9 @@
 import type { Kernels } from "../core/kernels";
 import type { Brush } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
+import { breathe } from "../core/breathe";
+import type { Bundle } from "../core/bundle";
+import type { ObjectWords } from "../mesh/refined_mesh";
 import { frameUp } from "../mesh/chart";
 import { ClosestPoints } from "../mesh/closest_points";
 import { readPressing, type PressedSeal } from "../seal/pressing";
@@ -15,6 +18,7 @@ import type { Blend, LayerStack } from "../surface/layer_stack";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
 
 const MOST_STEPS = 30;
+const SAMPLES_AT_ONCE = 16; // that are repeated
 const MOST_BYTES = 1 << 28; // of the steps that can be undone, but for the last
 
 /** What is done to the layers, as a score says it. */
@@ -42,7 +46,6 @@ interface Instant {
 }
 
 export class Document {
-  readonly closest: ClosestPoints;
   readonly openness: Uint8Array; // of the base vertices: how much of the sky each sees
   #lines: Line[] = [];
   #steps: Instant[] = []; // before each
@@ -60,25 +63,27 @@ export class Document {
     readonly about: Contents["objects"][number],
     readonly surface: PaintedSurface,
     readonly painter: Painter,
+    readonly closest: ClosestPoints,
     public ink: string,
   ) {
-    const { object } = surface;
-    this.closest = new ClosestPoints(kernels, object);
-    this.openness = object.numbers("openness", "u1").slice();
+    this.openness = surface.object.numbers("openness", "u1").slice();
   }
 
-  /** Open a fresh object. */
+  /** Open a fresh object of the folder, or one of somebody's own. */
   static async open(
     studio: Studio, about: Contents["objects"][number], brushName: string, ink: string,
-    material: string = about.material,
+    material: string = about.material, own: Bundle<ObjectWords> | null = null,
   ): Promise<Document> {
-    const [{ surface }, brush] = await Promise.all([
-      studio.surface(about.name, about.resolution, material),
+    const [surface, brush] = await Promise.all([
+      own === null ? studio.surface(about.name, about.resolution, material) : studio.surfaceOf(own, material),
       studio.brush(brushName),
     ]);
+    await breathe();
+    const closest = new ClosestPoints(studio.kernels, surface.object);
+    await breathe();
     surface.useLayers();
     const painter = new Painter(studio.kernels, studio.sizes, surface, brush, studio.ink(ink));
-    const document = new Document(studio.kernels, about, surface, painter, ink);
+    const document = new Document(studio.kernels, about, surface, painter, closest, ink);
     document.#lines.push({
       format: "paint3d-recording",
       version: 2,
@@ -316,7 +321,10 @@ export class Document {
       else if (row.do === "set_brush") this.setBrush(await studio.brush(row.brush as string));
       else if (row.do === "dip") this.#dipIn(studio, row.ink as Record<string, number>);
       else if (row.do === "begin_stroke") this.beginStroke(row.erase === true);
-      else if (row.do === "end_stroke") this.endStroke();
+      else if (row.do === "end_stroke") {
+        this.endStroke();
+        this.surface.refresh(); // not all at the end
+      }
       else if (row.do === "undo") this.undo();
       else if (row.do === "redo") this.redo();
       else if (row.do === "dry") this.dry();
@@ -327,7 +335,7 @@ export class Document {
       else if (row.do === "follow_time")
         for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
       else throw new RecordingError(`line ${k + 1}: a page does not know ${String(row.do)}`);
-      if (row.do !== undefined) await progress((k + 1) / lines.length);
+      if (row.do !== undefined || k % SAMPLES_AT_ONCE === 0) await progress((k + 1) / lines.length);
     }
     if (this.#inStroke) this.endStroke();
     this.surface.refresh();

@@ -1,7 +1,10 @@
 /** The piece in hand, kept in the browser's own storage, so that it is there again after a closed tab. */
 
+import type { OwnFile } from "./own_object";
+
 const NAME = "paint3d";
 const STORE = "score"; // parts of a score, in their order
+const OBJECT = "object"; // the file that it is painted on, where it is somebody's own
 
 export class Keeper {
   #last: Promise<void> = Promise.resolve();
@@ -14,8 +17,11 @@ export class Keeper {
   static async open(): Promise<Keeper | null> {
     try {
       return await new Promise((done, failed) => {
-        const asked = indexedDB.open(NAME, 1);
-        asked.onupgradeneeded = () => asked.result.createObjectStore(STORE, { autoIncrement: true });
+        const asked = indexedDB.open(NAME, 2);
+        asked.onupgradeneeded = ({ oldVersion }) => {
+          if (oldVersion < 1) asked.result.createObjectStore(STORE, { autoIncrement: true });
+          asked.result.createObjectStore(OBJECT, { autoIncrement: true });
+        };
         asked.onsuccess = () => done(new Keeper(asked.result));
         asked.onerror = () => failed(asked.error);
         asked.onblocked = () => failed(new Error("the storage is in use"));
@@ -40,9 +46,22 @@ export class Keeper {
     });
   }
 
-  /** Keep another piece from now on. */
-  begin(): void {
-    this.#write((store) => store.clear());
+  /** The file that it is painted on; undefined for an object of the page. */
+  readObject(): Promise<OwnFile | undefined> {
+    return new Promise((done, failed) => {
+      const asked = this.database.transaction(OBJECT).objectStore(OBJECT).getAll() as IDBRequest<OwnFile[]>;
+      asked.onsuccess = () => done(asked.result[0]);
+      asked.onerror = () => failed(asked.error);
+    });
+  }
+
+  /** Keep another piece from now on, and the file that it is painted on. */
+  begin(file: OwnFile | null): void {
+    this.#write((store, objects) => {
+      store.clear();
+      objects.clear();
+      if (file !== null) objects.add(file);
+    });
   }
 
   /** Keep a further part of the score. */
@@ -50,7 +69,7 @@ export class Keeper {
     if (text !== "") this.#write((store) => store.add(text));
   }
 
-  #write(work: (store: IDBObjectStore) => void): void {
+  #write(work: (store: IDBObjectStore, objects: IDBObjectStore) => void): void {
     this.#waiting++;
     this.#last = this.#last.then(
       () =>
@@ -60,8 +79,8 @@ export class Keeper {
             this.#waiting--;
             done();
           };
-          const transaction = this.database.transaction(STORE, "readwrite");
-          work(transaction.objectStore(STORE));
+          const transaction = this.database.transaction([STORE, OBJECT], "readwrite");
+          work(transaction.objectStore(STORE), transaction.objectStore(OBJECT));
           transaction.oncomplete = over(true);
           transaction.onerror = transaction.onabort = over(false);
         }),

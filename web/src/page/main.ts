@@ -1,7 +1,11 @@
 /** The studio as a page. */
 
+import { breathe } from "../core/breathe";
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
+import { times } from "../core/vectors";
+import { MULTI_AXIS } from "../device/six_dof";
+import { hidOf, SpaceMouse, type HidDevice } from "../device/space_mouse";
 import { PIECE_S } from "../painter/painter";
 import { Studio, UnknownNameError, type Contents, type Fetch } from "../studio";
 import { ballAround, Camera } from "./camera";
@@ -19,8 +23,11 @@ import { LayerList } from "./layer_list";
 import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
 import { Keeper } from "./keeper";
+import { MeshError, type Note } from "../files/mesh_error";
+import { SUFFIXES, UNITS_MM, UP_AXES, type Unit } from "../files/wanted";
+import { bringObject, Cancelled, type OwnFile, type OwnObject } from "./own_object";
 import { Stage, StageError } from "./stage";
-import { choose, language, named, say, type Texts } from "./texts";
+import { choose, language, named, say, sayNotes, type Texts } from "./texts";
 
 // What SIMD is tried by: a function whose body is one instruction of it.
 const SIMD = new Uint8Array([
@@ -32,7 +39,13 @@ const SEEN = 2000; // vertices, at most, that the picture is fitted to
 const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
 const ERASER_END = 5; // the button that a pen's other end says
 const WRITTEN_FASTER = 3.0; // than the planned hand goes
-const MESH = /\.(glb|gltf|obj|ply|stl)$/i;
+const RECORDING = /\.jsonl$/i;
+const SLICE_MS = 40; // that the page works before it looks whether something is asked of it
+const OWN_MM = 0.4;
+const FINENESS_MM = [0.2, 0.3, 0.4, 0.6, 0.8, 1.6];
+const SPEED_MM_S = 150.0; // of a 3-D mouse at full deflection
+const TURN_RAD_S = 1.5;
+const [RECENTRE, DIP, UNDO, REDO] = [1, 2, 4, 8]; // its buttons, as bits
 const TAP_PX = 12; // that a tap may slip
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
@@ -62,6 +75,7 @@ class Page {
   #tapping: PointerEvent | null = null; // that is down there
   #tapped: ((event: PointerEvent) => void) | null = null; // what is done where the object is tapped next
   #writes = false; // a planned hand
+  #opens = false; // a file
   readonly #layers = new LayerList((edit) => this.#restack(edit));
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
   readonly #stage: Stage;
@@ -69,7 +83,8 @@ class Page {
   #painting: Document | null = null;
   #camera: Camera | null = null;
   #hand: Hand | null = null;
-  #object = 0;
+  #object = 0; // of `#objects`
+  #own: OwnObject | null = null; // that was brought last
   #brush = "";
   #ink = "";
   #dipAlways = true;
@@ -87,6 +102,9 @@ class Page {
   #turning: { pointer: number; pans: boolean; x: number; y: number } | null = null;
   #penAt = -Infinity;
   #keeper: Keeper | null = null;
+  #mouse: SpaceMouse | null = null;
+  #steeredMs = 0.0; // up to when it has steered
+  #isSteered = false; // at the last frame
 
   constructor() {
     this.#stage = new Stage(this.#canvas);
@@ -136,7 +154,18 @@ class Page {
     console.error(cause);
   }
 
-  /** Open the folder's first object. */
+  /** What can be painted on: the folder's, and what somebody has brought. */
+  get #objects(): Contents["objects"] {
+    const own = this.#own === null ? [] : [this.#own.about];
+    return [...(this.#studio?.contents.objects ?? []), ...own];
+  }
+
+  /** Whether the piece is on what somebody has brought. */
+  get #isOnOwn(): boolean {
+    return this.#own !== null && this.#painting?.about === this.#own.about;
+  }
+
+  /** Open the piece that is kept, or the folder's first object. */
   async begin(): Promise<void> {
     const contents = JSON.parse(
       new TextDecoder().decode(await this.#fetch("contents.json")),
@@ -145,8 +174,12 @@ class Page {
     this.#ink = contents.inks[0].name;
     this.#keeper = await Keeper.open();
     const text = (await this.#keeper?.read().catch(() => "")) ?? "";
-    if (/begin_stroke|press_seal/.test(text) && (await this.#goOn(contents, text)) === "") return;
-    await this.open(contents, 0);
+    if (/begin_stroke|press_seal/.test(text)) {
+      const file = await this.#keeper?.readObject().catch(() => undefined);
+      if ((await this.#goOn(contents, text, file)) === "") return;
+      save(new Blob([text], { type: "application/jsonl" }), "kept.score.jsonl"); // what is not opened is not lost
+    }
+    await this.open(contents, contents.objects[0]);
   }
 
   /** Open what was recorded in a page. */
@@ -154,13 +187,61 @@ class Page {
     const { studio, painting } = this.#opened();
     if (painting.isPainted && !confirm(say("leave"))) return;
     const text = await file.text();
-    const cause = await this.#goOn(studio.contents, text);
+    const own = this.#own;
+    const cause = await this.#goOn(studio.contents, text, headOf(text)?.mesh === own?.bundle.words.mesh ? own?.file : undefined);
     if (cause !== "") {
       if (this.#painting === painting) this.#message.hidden = true;
-      return this.#notice(say("notOpened", { name: file.name, cause }));
+      if (cause !== say("cancel")) this.#notice(say("notOpened", { name: file.name, cause }));
+      return;
     }
-    this.#keeper?.begin();
+    this.#keeper?.begin(this.#isOnOwn ? (this.#own?.file ?? null) : null);
     this.#keeper?.append(this.score());
+  }
+
+  /** Paint on a file's object. */
+  async #bring(file: OwnFile): Promise<void> {
+    const { studio, painting } = this.#opened();
+    if (painting.isPainted && !confirm(say("leave"))) return this.showBar();
+    try {
+      const own = await this.#prepared(studio.contents, file);
+      await this.open(studio.contents, own.about, undefined, "", own);
+      if (own.notes.length > 0) this.#notice(say("told", { name: file.name, notes: await this.#inWords(...own.notes) }));
+    } catch (cause) {
+      const said = cause instanceof Cancelled ? "" : say("notOpened", { name: file.name, cause: await this.#causeOf(cause) });
+      if (this.#painting === painting) this.#message.hidden = true;
+      this.showBar();
+      if (said === "") return;
+      console.warn("the object cannot be opened:", cause);
+      this.#notice(said);
+    }
+  }
+
+  /** Notes on a file in the language that is spoken. */
+  async #inWords(...notes: Note[]): Promise<string> {
+    if (language() === "en") return sayNotes(notes, {});
+    const read = async (): Promise<Record<string, string>> =>
+      JSON.parse(new TextDecoder().decode(await this.#fetch("notes.zh.json"))) as Record<string, string>;
+    return sayNotes(notes, await read().catch(() => ({})));
+  }
+
+  /** Have a file's object prepared, while it is said how far that is. */
+  #prepared(contents: Contents, file: OwnFile): Promise<OwnObject> {
+    const stop = new AbortController();
+    const progress = (share: number): void =>
+      showMessage(say("reading", { name: file.name, percent: Math.round(100 * share) }), () => stop.abort());
+    progress(0);
+    return bringObject(this.#fetch, contents, file, progress, stop.signal);
+  }
+
+  /** Open what was dropped or chosen: a recording, or an object. */
+  #openFile(file: File): void {
+    if (this.#opens) return;
+    this.#opens = true;
+    const opened = RECORDING.test(file.name)
+      ? this.#load(file)
+      : file.arrayBuffer().then((data) =>
+          this.#bring({ name: file.name, data: new Uint8Array(data), resolution: OWN_MM, wanted: {} }));
+    opened.catch((cause: unknown) => this.fail(cause)).finally(() => (this.#opens = false));
   }
 
   /** Say something below the picture for a while. */
@@ -172,55 +253,76 @@ class Page {
   }
 
   /** Open the piece that a score of a page says; "", or why it cannot be. */
-  async #goOn(contents: Contents, text: string): Promise<string> {
+  async #goOn(contents: Contents, text: string, file?: OwnFile): Promise<string> {
     const [brushBefore, inkBefore] = [this.#brush, this.#ink];
     try {
       const head = headOf(text);
       if (head === null) return say("noHead");
       const [object, mm] = [String(head.object), Number(head.resolution_mm)];
-      const place = contents.objects.findIndex((one) => one.name === object && one.resolution === mm);
-      if (place < 0) return say("noObject", { object, mm });
+      let about = contents.objects.find((one) => one.name === object && one.resolution === mm);
+      let own: OwnObject | null = null;
+      if (about === undefined && file !== undefined) {
+        own = this.#own?.file === file && file.resolution === mm ? this.#own
+          : await this.#prepared(contents, { ...file, resolution: mm });
+        about = { ...own.about, name: object };
+        own = { ...own, about };
+      }
+      if (about === undefined)
+        return SUFFIXES.some((suffix) => object.toLowerCase().endsWith(suffix))
+          ? say("ownFirst", { object }) : say("noObject", { object, mm });
       const ink = inkOf(contents, head.ink);
       if (ink === undefined) return say("noInk", { ink: JSON.stringify(head.ink) });
       this.#brush = String(head.brush);
       this.#ink = ink.name;
-      await this.open(contents, place, head.material as string | undefined, text);
+      await this.open(contents, about, head.material as string | undefined, text, own);
       return "";
     } catch (cause) {
       console.warn("the piece cannot be opened:", cause);
       [this.#brush, this.#ink] = [brushBefore, inkBefore];
-      if (cause instanceof Missing) return say(cause.key, cause.fields);
-      if (cause instanceof UnknownNameError) return say("noName", { kind: say(cause.kind), name: cause.unknown });
-      return cause instanceof Error ? cause.message : String(cause);
+      if (cause instanceof Cancelled) return say("cancel");
+      return this.#causeOf(cause);
     }
   }
 
+  /** Why something cannot be opened, in the language that is spoken. */
+  async #causeOf(cause: unknown): Promise<string> {
+    if (cause instanceof Missing) return say(cause.key, cause.fields);
+    if (cause instanceof UnknownNameError) return say("noName", { kind: say(cause.kind), name: cause.unknown });
+    if (cause instanceof MeshError) return this.#inWords(cause.note);
+    return cause instanceof Error ? cause.message : String(cause);
+  }
+
   /** Open an object, fresh. */
-  async open(contents: Contents, place: number, material?: string, score = ""): Promise<void> {
-    const about = contents.objects[place];
+  async open(
+    contents: Contents, about: Contents["objects"][number], material?: string, score = "", own: OwnObject | null = null,
+  ): Promise<void> {
     this.tell("loading", { name: named(about) });
     // its own kernels, whose memory goes with them
     const studio = await Studio.open(this.#fetch);
-    const painting = await Document.open(studio, about, this.#brush, this.#ink, material);
+    const painting = await Document.open(studio, about, this.#brush, this.#ink, material, own?.bundle);
     if (score !== "") {
       const isSame = headOf(score)?.mesh === painting.surface.object.words.mesh;
       if (!isSame) throw new Missing("otherMesh", { object: named(about) });
-      let shown = performance.now();
+      let isCancelled = false;
+      let since = performance.now();
       await painting.repeat(studio, score, async (share) => {
-        if (performance.now() - shown < 100.0) return;
-        this.tell("repeating", { percent: Math.round(100 * share) });
-        await new Promise((done) => setTimeout(done));
-        shown = performance.now();
+        if (performance.now() - since < SLICE_MS) return;
+        showMessage(say("repeating", { percent: Math.round(100 * share) }), () => (isCancelled = true));
+        await breathe();
+        if (isCancelled) throw new Cancelled();
+        since = performance.now();
       });
       this.#brush = painting.painter.brush.name;
       this.#ink = inkOf(contents, painting.dipped)?.name ?? this.#ink;
       painting.takeNew(); // which is kept
     } else {
-      this.#keeper?.begin();
+      this.#keeper?.begin(own?.file ?? null);
       this.#keeper?.append(painting.takeNew());
     }
-    this.#object = place;
+    await breathe();
+    if (own !== null) this.#own = own;
     this.#studio = studio;
+    this.#object = this.#objects.indexOf(about);
     this.#painting = painting;
     const { arrays, nBaseVertices: n } = painting.surface.paintMesh;
     const [middle, radius] = ballAround(arrays.px.data, arrays.py.data, arrays.pz.data, n);
@@ -238,7 +340,11 @@ class Page {
     }); // prettier-ignore
     this.#setPress(this.#press);
     this.#stage.open(painting, flat);
-    this.#tapped = null;
+    await breathe();
+    this.#tapped = this.#tapping = this.#pointer = this.#turning = null; // whatever went up meanwhile
+    this.#touches.clear();
+    this.#events = [];
+    this.#inStroke = false;
     if (painting.texts.length > 0) await this.#openCopybook();
     else this.#showTexts();
     this.#message.hidden = true;
@@ -256,7 +362,7 @@ class Page {
     const { contents } = studio;
     document.title = say("title");
     element("hint").textContent = say(matchMedia("(pointer: coarse)").matches ? "hintTouch" : "hint");
-    const objects = contents.objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
+    const objects = this.#objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
     const filled = document.createElement("span");
     filled.id = "ink";
     for (const [key, value] of Object.entries({ role: "meter", "aria-valuemin": "0", "aria-valuemax": "100" }))
@@ -310,7 +416,7 @@ class Page {
         note(say(this.#keeper === null ? "notKept" : "kept"))),
       section(say("goOn"),
         button("load", say("load"), () =>
-          askForFile(".jsonl", (file) => this.#load(file).catch((cause: unknown) => this.fail(cause))))),
+          askForFile(".jsonl", (file) => this.#openFile(file)))),
     ); // prettier-ignore
     this.#panel.fill("more",
       section(say("piece"),
@@ -318,18 +424,41 @@ class Page {
         choice("material", say("material"), contents.materials.map(named),
           contents.materials.findIndex((one) => one.name === this.#painting?.surface.material.name),
           (k) => this.#change(this.#object, contents.materials[k].name)),
-        button("fresh", say("fresh"), () => this.#change(this.#object, this.#painting?.surface.material.name))),
+        ...this.#ownControls(),
+        button("fresh", say("fresh"), () => this.#change(this.#object, this.#painting?.surface.material.name)),
+        button("own", say("ownObject"), () => askForFile(SUFFIXES.join(","), (file) => this.#openFile(file)))),
       section(say("water"),
         tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
         button("dry", say("dry"), () => this.#act(() => this.#opened().painting.dry()))),
       section(say("hand"),
         slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on))),
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
+        ...(hidOf() === null ? [] : [button("mouse", this.#mouseText(), () => this.#plug())])),
       section(say("page"), button("language", say("language"), () => this.#speak())),
     ); // prettier-ignore
     this.#showLayers();
     this.#showTexts();
     this.#showState();
+  }
+
+  /** How the file of one's own object is read. */
+  #ownControls(): HTMLElement[] {
+    if (!this.#isOnOwn || this.#own === null) return [];
+    const { file } = this.#own;
+    const again = (change: Partial<OwnFile>): void => {
+      this.#bring({ ...file, ...change }).catch((cause: unknown) => this.fail(cause));
+    };
+    const told = say("asTold");
+    const units = Object.keys(UNITS_MM) as Unit[];
+    const chosen = <T>(all: readonly T[], one: T | undefined): number => (one === undefined ? 0 : all.indexOf(one) + 1);
+    return [
+      choice("unit", say("unit"), [told, ...units], chosen(units, file.wanted.unit),
+        (k) => again({ wanted: { ...file.wanted, unit: k === 0 ? undefined : units[k - 1] } })),
+      choice("up", say("upAxis"), [told, ...UP_AXES], chosen(UP_AXES, file.wanted.up),
+        (k) => again({ wanted: { ...file.wanted, up: k === 0 ? undefined : UP_AXES[k - 1] } })),
+      choice("fineness", say("fineness"), FINENESS_MM.map((mm) => say("size", { mm })), FINENESS_MM.indexOf(file.resolution),
+        (k) => again({ resolution: FINENESS_MM[k] })),
+    ]; // prettier-ignore
   }
 
   // -- the copybook ---------------------------------------------------------------------------
@@ -504,7 +633,9 @@ class Page {
     const painting = this.#painting;
     if (this.#studio === null) return;
     if (painting?.isPainted === true && !confirm(say("leave"))) return this.showBar();
-    this.open(this.#studio.contents, place, material).catch((cause: unknown) => this.fail(cause));
+    const about = this.#objects[place];
+    const own = about === this.#own?.about ? this.#own : null;
+    this.open(this.#studio.contents, about, material, "", own).catch((cause: unknown) => this.fail(cause));
   }
 
   #takeBrush(name: string): void {
@@ -627,6 +758,80 @@ class Page {
     return { studio, painting, camera, hand };
   }
 
+  // -- a 3-D mouse ----------------------------------------------------------------------------
+
+  #mouseText(): string {
+    return this.#mouse === null ? say("connect") : say("disconnect", { name: this.#mouse.device.productName });
+  }
+
+  /** Connect a 3-D mouse that is chosen, or let go of the one that is. */
+  #plug(): void {
+    const [hid, mouse] = [hidOf(), this.#mouse];
+    if (hid === null) return;
+    if (mouse !== null) {
+      this.#mouse = null;
+      this.showBar();
+      void mouse.stop();
+      return;
+    }
+    SpaceMouse.choose(hid).then(
+      (device) => (device === null ? undefined : this.#take(device)),
+      (cause: unknown) => this.fail(cause),
+    );
+  }
+
+  async #take(device: HidDevice): Promise<void> {
+    try {
+      const moved = (): void => {
+        if (!this.#isSteered) this.#steeredMs = performance.now();
+        this.draw();
+      };
+      const mouse = new SpaceMouse(device, moved, (buttons) => this.#press3d(buttons));
+      await mouse.start();
+      this.#mouse = mouse;
+    } catch (cause) {
+      const said = cause instanceof Error ? cause.message : String(cause);
+      this.#notice(say("mouseRefused", { name: device.productName, cause: said }));
+    }
+    this.showBar();
+  }
+
+  /** Take a mouse that was allowed before, and hear of one that goes. */
+  async findMouse(): Promise<void> {
+    const hid = hidOf();
+    if (hid === null) return;
+    hid.addEventListener("disconnect", (event) => {
+      if ((event as Event & { device: HidDevice }).device !== this.#mouse?.device) return;
+      this.#mouse = null;
+      this.showBar();
+    });
+    const isMouse = ({ collections }: HidDevice): boolean =>
+      collections.some(({ usagePage, usage }) => usagePage === MULTI_AXIS.usagePage && usage === MULTI_AXIS.usage);
+    const known = (await hid.getDevices()).find(isMouse);
+    if (known !== undefined) await this.#take(known);
+  }
+
+  #press3d(buttons: number): void {
+    if (this.#painting === null || this.#writes) return;
+    if (buttons & RECENTRE) this.#showAll();
+    if (buttons & DIP) this.#act(() => this.#dip());
+    if (buttons & UNDO) this.#step(() => this.#opened().painting.undo());
+    if (buttons & REDO) this.#step(() => this.#opened().painting.redo());
+  }
+
+  /** Let the object move and turn as the cap is deflected. */
+  #steer(now: number): void {
+    const seconds = Math.min(now - this.#steeredMs, 100.0) * 1e-3;
+    this.#steeredMs = now;
+    const rates = this.#mouse?.deflectionAt(now) ?? null;
+    this.#isSteered = rates !== null;
+    if (rates === null || this.#camera === null) return;
+    this.#isMoved = true;
+    const [x, y, z, rx, ry, rz] = rates;
+    this.#camera.steer(times([x, y, z], SPEED_MM_S * seconds), times([rx, ry, rz], TURN_RAD_S * seconds));
+    this.draw(); // again, until it rests
+  }
+
   // -- files ----------------------------------------------------------------------------------
 
   /** Save what is seen, as PNG. */
@@ -672,7 +877,7 @@ class Page {
 
   #name(): string {
     const when = new Date().toISOString().slice(0, 19).replace(/[:T]/g, "-");
-    return `${this.#opened().painting.about.name}-${when}`;
+    return `${this.#opened().painting.about.name.replace(/\.\w+$/, "")}-${when}`;
   }
 
   // -- the picture ----------------------------------------------------------------------------
@@ -715,6 +920,7 @@ class Page {
       try {
         this.#paint();
         this.#letPass(now);
+        this.#steer(now);
         for (const ids of this.#changed.splice(0)) this.#stage.follow(ids);
         this.#stage.draw(this.#camera);
       } catch (cause) {
@@ -730,6 +936,7 @@ class Page {
     const heard = (work: (event: PointerEvent) => void) => (event: PointerEvent) => {
       if (this.#painting === null) return;
       event.preventDefault();
+      if (!this.#message.hidden) return; // another piece is being opened
       try {
         work(event);
       } catch (cause) {
@@ -769,13 +976,12 @@ class Page {
       event.preventDefault();
       const file = event.dataTransfer?.files[0];
       if (file === undefined || this.#painting === null || this.#writes) return;
-      if (MESH.test(file.name)) this.#notice(say("ownObject", { name: file.name }));
-      else this.#load(file).catch((cause: unknown) => this.fail(cause));
+      this.#openFile(file);
     });
     addEventListener("visibilitychange", () => this.#keep());
     addEventListener("beforeunload", (event) => {
       this.#keep();
-      if (this.#painting?.isPainted === true && !this.isKept) event.preventDefault();
+      if (this.#painting?.isPainted === true && this.#keeper?.isSound !== true) event.preventDefault();
     });
   }
 
@@ -974,10 +1180,20 @@ function inkOf(contents: Contents, parts: unknown): Contents["inks"][number] | u
   return contents.inks.find((one) => JSON.stringify(one.parts) === JSON.stringify(parts));
 }
 
-/** Say something in place of the picture. */
-function showMessage(text: string): void {
+/** Say something in place of the picture; what goes on meanwhile may be cancelled. */
+function showMessage(text: string, cancel?: () => void): void {
   const message = element("message");
+  const words = message.firstElementChild;
+  if (words !== null && cancel !== undefined && !message.hidden) {
+    words.textContent = text; // the button stays the same, so that a press of it is not lost
+    return;
+  }
   message.textContent = text;
+  if (cancel !== undefined) {
+    const said = document.createElement("p");
+    said.textContent = text;
+    message.replaceChildren(said, button("cancel", say("cancel"), cancel));
+  }
   message.classList.add("said");
   message.hidden = false;
 }
@@ -997,6 +1213,7 @@ function start(): void {
   }
   Object.assign(window, { paint3d: page });
   page.begin().catch((cause: unknown) => page.fail(cause));
+  page.findMouse().catch((cause: unknown) => console.warn("no 3-D mouse:", cause));
 }
 
 start();

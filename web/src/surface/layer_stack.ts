@@ -215,8 +215,7 @@ export class LayerStack {
       const ids = vertexIds.slice(start, start + AT_ONCE);
       const n = ids.length;
       const spectra = kernels.zeros("u2", n, BANDS);
-      const bare = surface.bareSteps;
-      for (let k = 0; k < n; k++) spectra.data.set(bare, BANDS * k);
+      for (let k = 0; k < n; k++) spectra.data.set(surface.bareSteps(ids[k]), BANDS * k);
       for (const key of this.#keys) if (this.#said(key).visible) this.#layOver(glaze, key, ids, spectra);
       const every = NDArray.of(kernels, "i4", ids.map((_, k) => k));
       const [noInk, none] = [kernels.zeros("f4", n, count), kernels.zeros("f4", n)];
