@@ -47,6 +47,7 @@ __all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM = 15.0  # where there is no text that it belongs to
+_USUAL_SIGNATURE = 7  # characters: a year, a season, a name
 _BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # values that let a text fill no sheet
 _BREAK_ANEW = {"grid", "around"}  # values with which the text's lines may break otherwise
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
@@ -201,7 +202,7 @@ class CopybookGuide:
         text = values["text"]
         if sheet is None or not text.strip():
             return values
-        found = compose(sheet, text, values["order"], is_signed=True)
+        found = compose(sheet, text, values["order"], signature=_USUAL_SIGNATURE)
         if found is None:  # letters that do not stand in squares
             return values
         composed = {"text": "\n".join(found.lines), "em_mm": found.em_mm, "point": found.point}
