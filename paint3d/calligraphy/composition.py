@@ -31,10 +31,10 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["Composition", "Signing", "compose", "lines_of", "place_on", "seal_below", "sign_beside"]
 
-_GAP, _BETWEEN = 0.16, 0.0  # ems: the least between columns, and between characters of one
+_GAP, _BETWEEN = 0.2, 0.0  # ems: the least between columns, and between characters of one
 _BARE = 0.09  # ems on either side of a character that its ink leaves bare: they may lie in margins
 _MOST_GAP, _MOST_BETWEEN = 0.36, 0.3
-_CLOSER = 0.75  # of the distance of columns, at most: characters of one, that it reads as a column
+_CLOSER = 0.5  # of the distance of columns, at most: characters of one, that it reads as a column
 _LEAST_MM = 4.0  # the smallest characters that a text is composed in
 _LARGEST, _SMALLER = 0.8, 0.98  # of a sheet's shorter side: a character; what is tried next
 _BARE_COSTS = 0.5  # of the size, where a whole length or width stays bare
