@@ -690,9 +690,13 @@ def signer_in(line: str) -> str:
 
 
 def date_line(day: datetime.date, signer: str = "") -> str:
-    """A year of the sixty, counted by January, and its season, as signatures say a date; a name."""
-    year = day.year - 4
-    season = "冬春夏秋"[day.month % 12 // 3]
+    """A year of the sixty and its season, as signatures say a date, and a name.
+
+    Both begin with 立春, the 4th of February: January belongs to the winter before.
+    """
+    months = 12 * day.year + day.month - 2  # since a February; seasons begin within a week of 1st
+    year = months // 12 - 4
+    season = "春夏秋冬"[months % 12 // 3]
     return f"{_STEMS[year % 10]}{_BRANCHES[year % 12]}年{season}{signer}書"
 
 
