@@ -24,11 +24,11 @@ from paint3d.brush_engine.scratch import make_scratch
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
 from paint3d.colour.glazing import srgb_primaries
-from paint3d.colour.layers import SAUNDERSON, to_internal
+from paint3d.colour.layers import SAUNDERSON
 from paint3d.colour.materials import Material
 from paint3d.colour.pigments import WATER, Pigment, load_palette
-from paint3d.colour.spectra import rgb_weights, srgb_from_reflectance
-from paint3d.colour.vertex_colours import ColourModel, live_bands, srgb_codes
+from paint3d.colour.spectra import rgb_weights, srgb_codes, srgb_from_reflectance
+from paint3d.colour.vertex_colours import ColourModel, live_bands
 from paint3d.core.arrays import AnyArray
 from paint3d.mesh.bvh import ClosestPoints, build_contact_tree
 from paint3d.mesh.kernels.bvh import FACES_PER_LEAF, LEAF_SIZE, ContactTree
@@ -197,8 +197,6 @@ def material_table(material: Material, pigments: Sequence[Pigment]) -> Table:
         "reflectance": reflectance.astype(np.float32),
         "bare": srgb_from_reflectance(material.reflectance),
         "bare_linear_rgb": ColourModel(pigments[:1], reflectance).bare_linear_rgb,
-        "ground": np.maximum(to_internal(reflectance, 0.0, 0.0), 0.0),
-        "glossy_ground": np.maximum(to_internal(reflectance, *SAUNDERSON), 0.0),
     }
     for pigment in pigments:
         table = ColourModel([pigment], reflectance).single

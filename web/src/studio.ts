@@ -166,8 +166,6 @@ function groundOf(tables: Bundle<Material & { bends?: Record<string, number> }>)
     backing: {
       reflectance: tables.numbers("reflectance", "f4"),
       bareLinearRgb: tables.numbers("bare_linear_rgb", "f4"),
-      ground: tables.numbers("ground", "f8"),
-      glossyGround: tables.numbers("glossy_ground", "f8"),
       tables: Object.fromEntries(
         Object.entries(bends).map(([name, bend]) => [
           name,

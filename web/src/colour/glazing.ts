@@ -28,11 +28,12 @@ export class GlazeModel {
     const paints: number[] = [];
     for (let band = 0; band < bands; band++)
       for (const pigment of pigments) paints.push(pigment.K[band], pigment.S[band]);
-    const gloss = pigments.some((p) => p.saunderson) ? [...tables.saunderson] : [0.0, 0.0];
+    const films = pigments.flatMap((p) => [p.lasting ? 1 : 0, p.saunderson ? 1 : 0]);
     this.#glaze = {
       paints: of(kernels, "f4", paints, [bands, pigments.length, 2]),
       weights: of(kernels, "f4", Float32Array.from(tables.rgbWeights), [bands, 3]),
-      gloss: of(kernels, "f4", gloss),
+      saunderson: of(kernels, "f4", [...tables.saunderson]),
+      films: of(kernels, "f4", films, [pigments.length, 2]),
     };
     this.#ground = {
       linear_rgb: kernels.zeros("f4", 0, 3),
