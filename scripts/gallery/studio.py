@@ -61,7 +61,8 @@ def follow(window: StudioWindow, line: np.ndarray) -> None:
         mouse(window, KIND.MouseMove, *place, down=True)
         live(0.02)
     mouse(window, KIND.MouseButtonRelease, *places[-1])
-    live(0.1)
+    window.stage.paint_thread.post(lambda document: None).result()
+    live(0.5)
 
 
 def opened(app: QtWidgets.QApplication, name: str, language: str, *, dark: bool) -> StudioWindow:
