@@ -532,6 +532,7 @@ class _Grid:
                 "{object}: the level line of the place does not come back to its start; expected a "
                 "body that can be written around",
                 object=surface.mesh.name,
+                hint="where it lies on its side, --up says which axis of the file points up",
             )
         gaps = (layout.gap, layout.between)
         gaps = gaps if layout.order == "columns" else gaps[::-1]

@@ -343,7 +343,7 @@ def settle_size(options: argparse.Namespace, on: str) -> None:
     sheet = parse_sheet(on)
     found = compose(
         sheet, text, options.layout or "columns",
-        is_signed=bool(options.sign or options.seal), gap=options.gap, between=options.between,
+        signature=_signature_length(options), gap=options.gap, between=options.between,
     )  # fmt: skip
     if found is None:
         return
@@ -358,6 +358,11 @@ def settle_size(options: argparse.Namespace, on: str) -> None:
             f"{n} character{'s' if n > 1 else ''} of {found.em_mm:.0f} mm in {lines} {what}"
             f"{'s' if lines > 1 else ''} fill{'' if n > 1 else 's'} the sheet\n"
         )
+
+
+def _signature_length(options: argparse.Namespace) -> int | None:
+    """Characters of the signature that is asked for; 0 for a seal alone, None for neither."""
+    return len("".join((options.sign or "").split())) if options.sign or options.seal else None
 
 
 def _say_if_coarse(em_mm: float, surface: PaintedSurface) -> None:

@@ -273,7 +273,7 @@ def test_a_seal_has_the_name_and_the_size_of_the_signature(window) -> None:
     answer(lambda dialog: (seen.append(dialog.asked()), dialog.reject()), SealDialog)
     click_button(window.panels.copybook, "Press a seal…")
     em = window.document.texts[1].em_mm
-    assert (seen[0].text, seen[0].size_mm) == ("李明", pytest.approx(em, abs=0.25))
+    assert (seen[0].text, seen[0].size_mm) == ("李明", pytest.approx(0.85 * em, abs=0.25))
     assert (
         date_line(datetime.date(2026, 12, 1), window.workspace.settings.signer) == "丙午年冬李明書"
     )
@@ -283,7 +283,7 @@ def test_a_seal_has_the_name_and_the_size_of_the_signature(window) -> None:
     window.copying.change({"grid": "frame"})
     wait_for(lambda: window.document.texts[1].grid == "frame")
     assert unpacked_texts(packed_texts(window.document.texts))[1].is_signature
-    assert window.copying.signature()[:2] == ("李明", pytest.approx(em))
+    assert window.copying.signature()[:2] == ("李明", pytest.approx(0.85 * em))
 
 
 def test_a_text_without_a_grid_is_no_signature_and_a_long_name_no_seal(window) -> None:
@@ -291,7 +291,7 @@ def test_a_text_without_a_grid_is_no_signature_and_a_long_name_no_seal(window) -
     window.copying.change({"grid": "none"})
     wait_for(lambda: text_of(window).grid == "none")
     signature = window.copying.signature()
-    assert (signature.name, signature.size_mm) == ("", pytest.approx(0.35 * 40.0))
+    assert (signature.name, signature.size_mm) == ("", pytest.approx(0.85 * 0.35 * 40.0))
     assert signature.point[0] < origins(window)[:, 0].min() - 20.0
     shown = []
     window.workspace.update_settings(signer="張大千李明")
@@ -299,7 +299,7 @@ def test_a_text_without_a_grid_is_no_signature_and_a_long_name_no_seal(window) -
     click_button(window.panels.copybook, "Press a seal…")
     window.workspace.update_settings(signer="")
     assert cut_seal(shown[0].text).text != "張大千李明"
-    assert shown[0].size_mm == pytest.approx(0.35 * 40.0, abs=0.3)
+    assert shown[0].size_mm == pytest.approx(0.85 * 0.35 * 40.0, abs=0.3)
 
 
 def test_a_brush_that_fits_is_taken_and_undo_takes_it_back(window) -> None:
@@ -511,3 +511,6 @@ def test_a_year_of_the_sixty_and_its_season_are_said() -> None:
 
     assert date_line(datetime.date(2026, 4, 1)) == "丙午年春書"
     assert date_line(datetime.date(1984, 12, 9)) == "甲子年冬書"
+    assert date_line(datetime.date(2026, 11, 30)) == "丙午年冬書"
+    assert date_line(datetime.date(2027, 1, 20)) == "丙午年冬書"
+    assert date_line(datetime.date(2027, 2, 20)) == "丁未年春書"

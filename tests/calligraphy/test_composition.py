@@ -78,7 +78,7 @@ def test_marks_end_verses_and_letters_that_stand_in_lines_are_not_composed() -> 
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("text", [POEM, "寧靜致遠"])
 def test_signature_and_seal_stand_apart_from_the_text_on_the_paper(form: str, text: str) -> None:
-    mesh, found, squares = laid(form, text, is_signed=True)
+    mesh, found, squares = laid(form, text, signature=7)
     surface = ClosestPoints(mesh)
     beside = sign_beside(mesh, squares, 7)
     assert 0.09 * found.em_mm < beside.em_mm < 0.5 * found.em_mm
@@ -97,8 +97,51 @@ def test_signature_and_seal_stand_apart_from_the_text_on_the_paper(form: str, te
     assert np.linalg.norm(below.seal_point - beside.seal_point) < 0.3 * beside.em_mm
 
 
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("n", [2, 4, 5, 8, 20, 28, 56])
+def test_columns_stand_farther_apart_than_their_characters(form: str, n: int) -> None:
+    for signature in (None, 7):
+        found = compose(parse_sheet(form), "一" * n, signature=signature)
+        if parse_sheet(form).usual.panels == 1 and len(found.lines) > 1:
+            assert found.between <= 0.5 * found.gap
+            assert 0.19 < found.gap <= 0.8  # of a folding fan in the middle of its columns
+
+
+@pytest.mark.parametrize("form", ["scroll", "square", "horizontal", "album", "a4"])
+@pytest.mark.parametrize("text", [POEM, "寧靜致遠", "永"])
+def test_a_signature_keeps_out_of_the_margin_and_its_seal_is_as_wide(form: str, text: str) -> None:
+    mesh, found, squares = laid(form, text, signature=7)
+    sheet, beside = parse_sheet(form), sign_beside(mesh, squares, 7)
+    left, right = (middles(squares)[:, 0] + s * 0.41 * found.em_mm for s in (-1.0, 1.0))
+    inked = beside.point[0] - 0.39 * beside.em_mm
+    edge = 0.5 * sheet.width_mm - sheet.margin_mm
+    assert -edge - 2.5 < inked
+    assert right.max() < edge + 1.0
+    assert left.min() - beside.point[0] > 0.6 * beside.em_mm
+    assert 0.8 < beside.seal_mm / beside.em_mm < 0.95
+    low = beside.seal_point[1] - 0.5 * beside.seal_mm
+    assert low > middles(squares)[:, 1].min() - 0.45 * found.em_mm
+
+
+@pytest.mark.parametrize("text", [POEM, "朝辭白帝彩雲間千里江陵一日還兩岸猿聲啼不住輕舟已過萬重山"])
+def test_on_a_fan_a_seal_stands_clear_of_columns_that_draw_together(text: str) -> None:
+    mesh, found, squares = laid("fan", text, signature=7)
+    beside = sign_beside(mesh, squares, 7)
+    away = np.linalg.norm(middles(squares) - beside.seal_point, axis=1).min()
+    assert away > 0.5 * (found.em_mm + beside.seal_mm)
+
+
+def test_a_short_signature_is_composed_below_a_short_column() -> None:
+    text = "朝辭白帝彩雲間千里江陵一日還兩岸猿聲啼不住輕舟已過萬重山"
+    mesh, found, squares = laid("square", text, signature=3)
+    beside = sign_beside(mesh, squares, 3)
+    assert len(found.lines[-1]) < len(found.lines[0])
+    assert beside.point[0] == pytest.approx(middles(squares)[-1, 0], abs=0.1)
+    assert found.em_mm > compose(parse_sheet("square"), text, signature=7).em_mm
+
+
 def test_a_signature_stands_below_a_last_column_that_is_short() -> None:
-    mesh, _, squares = laid("square", "床前明月光疑是地上霜舉頭望明月低頭思故郷無", is_signed=True)
+    mesh, _, squares = laid("square", "床前明月光疑是地上霜舉頭望明月低頭思故郷無", signature=7)
     lines = lines_of(squares)
     assert len(lines[-1]) < len(lines[0])
     beside = sign_beside(mesh, squares, 2)

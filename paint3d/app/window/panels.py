@@ -102,9 +102,15 @@ class Panels:
     ) -> QtWidgets.QDockWidget:
         dock = QtWidgets.QDockWidget(title, self._workspace.window)
         dock.setObjectName(f"dock-{name}")
-        dock.setWidget(_scrolled(panel) if panel in self._tall else panel)
+        least = panel.minimumSizeHint().width()
+        if panel in self._tall:
+            scrolled = _scrolled(panel)
+            least += scrolled.verticalScrollBar().sizeHint().width()
+            dock.setWidget(scrolled)
+        else:
+            dock.setWidget(panel)
         dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
-        dock.setMinimumWidth(_WIDTH)
+        dock.setMinimumWidth(max(_WIDTH, least))
         self._workspace.window.addDockWidget(area, dock)
         self.docks[name] = dock
         return dock

@@ -325,6 +325,7 @@ class _Sheet:
                 "{object}: the level line of the place does not come back to its start; expected a "
                 "body that can be written around",
                 object=self.surface.mesh.name,
+                hint="where it lies on its side, --up says which axis of the file points up",
             )
         wanted = ring.length / self.scale
         if least > wanted * (1.0 + _ROUNDING):

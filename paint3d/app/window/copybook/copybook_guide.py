@@ -47,6 +47,7 @@ __all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM = 15.0  # where there is no text that it belongs to
+_USUAL_SIGNATURE = 7  # characters: a year, a season, a name
 _BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # values that let a text fill no sheet
 _BREAK_ANEW = {"grid", "around"}  # values with which the text's lines may break otherwise
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
@@ -201,7 +202,7 @@ class CopybookGuide:
         text = values["text"]
         if sheet is None or not text.strip():
             return values
-        found = compose(sheet, text, values["order"], is_signed=True)
+        found = compose(sheet, text, values["order"], signature=_USUAL_SIGNATURE)
         if found is None:  # letters that do not stand in squares
             return values
         composed = {"text": "\n".join(found.lines), "em_mm": found.em_mm, "point": found.point}
@@ -689,9 +690,13 @@ def signer_in(line: str) -> str:
 
 
 def date_line(day: datetime.date, signer: str = "") -> str:
-    """A year of the sixty, counted by January, and its season, as signatures say a date; a name."""
-    year = day.year - 4
-    season = "冬春夏秋"[day.month % 12 // 3]
+    """A year of the sixty and its season, as signatures say a date, and a name.
+
+    Both begin with 立春, the 4th of February: January belongs to the winter before.
+    """
+    months = 12 * day.year + day.month - 2  # since a February; seasons begin within a week of 1st
+    year = months // 12 - 4
+    season = "春夏秋冬"[months % 12 // 3]
     return f"{_STEMS[year % 10]}{_BRANCHES[year % 12]}年{season}{signer}書"
 
 
