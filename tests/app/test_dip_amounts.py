@@ -527,7 +527,7 @@ def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(
     session = load_session(tmp_path / "a.p3d")
     save_session(dataclasses.replace(session, undone=(), history=None), tmp_path / "a.p3d")
     document = Document.open(tmp_path / "a.p3d")
-    assert document.oldest_stroke == 1
+    assert document.n_strokes_without_undo == 1
     document.set_brush(brush)
     document.dip("water")
     document.dip("indigo", 0.4)
