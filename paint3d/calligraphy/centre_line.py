@@ -19,10 +19,10 @@ __all__ = [
     "OutlineField",
     "centre_line",
     "grid_step",
-    "measured",
+    "measure_line",
     "outline_field",
     "resampled",
-    "smoothed",
+    "smooth_along",
 ]
 
 _PER_EM = 512  # steps of the grid
@@ -163,24 +163,26 @@ def centre_line(median: AnyArray, field: OutlineField, step: float) -> CentreLin
         raise InputError("the median has no length; expected two different points")
     points = resampled(median, step)
     headings = _headings(points)
-    width = np.median(_room(points, headings, field, 2.0 * field.distance.max()).sum(axis=1))
+    width = np.median(
+        _measure_room(points, headings, field, 2.0 * field.distance.max()).sum(axis=1)
+    )
     if width <= 0.0:
         raise InputError("most of the median lies outside the outline; expected it within")
     sigma = 0.25 * width / step
-    points = smoothed(points, sigma)
-    points = resampled(_extended(points, field, width), step)
+    points = smooth_along(points, sigma)
+    points = resampled(_extend_to_outline(points, field, width), step)
     for _ in range(2):
         headings = _headings(points)
-        room = _room(points, headings, field, width)
+        room = _measure_room(points, headings, field, width)
         inner = np.minimum(room.min(axis=1), 0.3 * width)
         move = np.clip(0.5 * (room[:, 0] - room[:, 1]), -inner, inner)
         moved = points + move[:, None] * _normals(headings)
-        points = resampled(smoothed(moved, sigma), step)
+        points = resampled(smooth_along(moved, sigma), step)
     step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
-    return measured(points, width, step, field)
+    return measure_line(points, width, step, field)
 
 
-def smoothed(points: AnyArray, sigma: float) -> NDArray[np.float64]:
+def smooth_along(points: AnyArray, sigma: float) -> NDArray[np.float64]:
     """Gaussian smoothing of values (N, K) along a line; both ends stay. `sigma` in samples."""
     sigma = max(sigma, 0.3)
     n = len(points)
@@ -211,19 +213,23 @@ def _normals(headings: AnyArray) -> NDArray[np.float64]:
     return np.stack([-np.sin(headings), np.cos(headings)], axis=1)
 
 
-def _room(points: AnyArray, headings: AnyArray, field: OutlineField, limit: float) -> AnyArray:
+def _measure_room(
+    points: AnyArray, headings: AnyArray, field: OutlineField, limit: float
+) -> AnyArray:
     left = _normals(headings)
     sides = [field.room(points, way, limit) for way in (left, -left)]
     return np.stack(sides, axis=1)
 
 
-def measured(points: AnyArray, width: float, step: float, field: OutlineField) -> CentreLine:
+def measure_line(points: AnyArray, width: float, step: float, field: OutlineField) -> CentreLine:
     """A line of samples (S, 2) about a step apart with its headings and its room."""
     headings = _headings(points)
-    return CentreLine(points, headings, _room(points, headings, field, 1.5 * width), width, step)
+    return CentreLine(
+        points, headings, _measure_room(points, headings, field, 1.5 * width), width, step
+    )
 
 
-def _extended(points: AnyArray, field: OutlineField, width: float) -> NDArray[np.float64]:
+def _extend_to_outline(points: AnyArray, field: OutlineField, width: float) -> NDArray[np.float64]:
     """Go on straight from both ends until the outline is reached."""
     k = min(len(points) - 1, 6)
     ways = np.stack([points[0] - points[k], points[-1] - points[-1 - k]])

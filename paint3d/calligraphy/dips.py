@@ -1,5 +1,7 @@
-"""When a writer dips: a planned hand presses the dip button before every character, and here
-presses are let go, so that the load of the brush falls along a column.
+"""When the brush is dipped.
+
+A planned recording presses the dip button before every character; here the presses that are not
+needed are removed, so that the load of the brush falls along a column.
 
 What a way takes of the ink in the brush follows from eta' sum pe ds (docs/model.md, equations (10)
 and (10a)), so what a character takes is known before it is painted, as far as the way of the
@@ -25,7 +27,7 @@ from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError
 
-__all__ = ["LEAST_LOAD", "DipPolicy", "dipped_as", "ink_taken", "redipped"]
+__all__ = ["LEAST_LOAD", "DipPolicy", "apply_dip_option", "ink_taken", "remove_dips"]
 
 LEAST_LOAD = 0.2
 """Of what a dip gave: a writer dips before less is left; set by eye."""
@@ -70,22 +72,22 @@ class DipPolicy:
         as_number(self.least, "least load", 0.01, 0.99)
 
 
-def dipped_as(recording: Recording, brush: BrushSpec, wanted: str | int) -> Recording:
+def apply_dip_option(recording: Recording, brush: BrushSpec, wanted: str | int) -> Recording:
     """A planned recording with the brush dipped as ``--dip`` says.
 
     Parameters
     ----------
     recording, brush
-        As for `redipped`.
+        As for `remove_dips`.
     wanted : {"auto", "always"} or int
         "always": the whole tuft before every character, as it was planned.
     """
     if wanted == "always":
         return recording
-    return redipped(recording, brush, DipPolicy(None if wanted == "auto" else int(wanted)))
+    return remove_dips(recording, brush, DipPolicy(None if wanted == "auto" else int(wanted)))
 
 
-def redipped(recording: Recording, brush: BrushSpec, policy: DipPolicy) -> Recording:
+def remove_dips(recording: Recording, brush: BrushSpec, policy: DipPolicy) -> Recording:
     """The same way of the hand with the brush dipped where the policy says.
 
     Parameters
@@ -105,14 +107,16 @@ def redipped(recording: Recording, brush: BrushSpec, policy: DipPolicy) -> Recor
     """
     starts = np.concatenate([[0], _presses(recording)])
     taken = np.add.reduceat(ink_taken(recording, brush), starts)
-    lasts = _lasts(policy.least)
+    lasts = _dip_capacity(policy.least)
     if policy.every is None:
-        wetted = _wetted(max(_CHARACTERS * np.median(taken), float(taken.max())) / lasts)
-        dips = _where_needed(taken / wetted, _heads(recording, starts), policy.least)
+        wetted = _wetted_fraction(max(_CHARACTERS * np.median(taken), float(taken.max())) / lasts)
+        dips = _find_needed_dips(
+            taken / wetted, _find_column_heads(recording, starts), policy.least
+        )
     else:
         dips = np.arange(len(starts)) % policy.every == 0
         runs = np.add.reduceat(taken, np.flatnonzero(dips))
-        wetted = _wetted(float(runs.max()) / lasts)
+        wetted = _wetted_fraction(float(runs.max()) / lasts)
     buttons = np.array(recording.buttons)
     ends = np.append(starts[1:], len(buttons))
     for start, end, stays in zip(starts, ends, dips, strict=True):
@@ -122,11 +126,11 @@ def redipped(recording: Recording, brush: BrushSpec, policy: DipPolicy) -> Recor
     return replace(recording, buttons=buttons, header={**recording.header, **amount})
 
 
-def _wetted(share: float) -> float:
+def _wetted_fraction(share: float) -> float:
     return math.ceil(1e4 * min(1.0, max(_LEAST_WETTED, share))) / 1e4
 
 
-def _lasts(least: float) -> float:
+def _dip_capacity(least: float) -> float:
     """Sum of `ink_taken` until `least` of a dip is left, on paper; on a glaze more is."""
     return (1.0 - least - FADING * math.log(least)) / (1.0 + FADING)
 
@@ -154,7 +158,7 @@ def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
     pressure = recording.pressure
     if pressure is None:
         raise InputError("the recording has no pressure; expected one, to know what ink it takes")
-    steps = np.linalg.norm(np.diff(_over_object(recording), axis=0), axis=1)
+    steps = np.linalg.norm(np.diff(_root_in_object(recording), axis=0), axis=1)
     mean = 0.5 * (pressure[1:] + pressure[:-1])
     touches = (pressure[1:] > 0.0) & (pressure[:-1] > 0.0)
     taken = np.zeros(len(recording))
@@ -167,7 +171,7 @@ def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
     return taken
 
 
-def _over_object(recording: Recording) -> AnyArray:
+def _root_in_object(recording: Recording) -> AnyArray:
     """(N, 3) root in the object's frame, mm."""
     inverse = recording.object_orientation * np.array([1.0, -1.0, -1.0, -1.0])
     result: AnyArray = rotate(inverse, recording.position - recording.object_position)
@@ -180,9 +184,9 @@ def _presses(recording: Recording) -> AnyArray:
     return np.flatnonzero(down[1:] & ~down[:-1]) + 1
 
 
-def _heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
+def _find_column_heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
     """(K,) bool: characters that lie much farther from the one before than usual."""
-    place = _over_object(recording)
+    place = _root_in_object(recording)
     touches = (np.zeros(len(place)) if recording.pressure is None else recording.pressure) > 0.0
     weights = np.add.reduceat(touches.astype(float), starts)
     sums = np.add.reduceat(np.where(touches[:, None], place, 0.0), starts, axis=0)
@@ -195,9 +199,9 @@ def _heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
     return heads
 
 
-def _where_needed(taken: AnyArray, heads: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
+def _find_needed_dips(taken: AnyArray, heads: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
     """(K,) bool: characters that the brush is dipped for, by what each takes of a wetted tuft."""
-    lasts = _lasts(least)
+    lasts = _dip_capacity(least)
     dips = np.zeros(len(taken), bool)
     used = math.inf
     for k in range(len(taken)):

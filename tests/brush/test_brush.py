@@ -211,7 +211,7 @@ def test_the_force_follows_the_hardness():
 @pytest.mark.parametrize("name", brush_names())
 def test_presets_are_rated_as_they_are(name):
     brush = load_brush(name)
-    assert brush.chain is None
+    assert brush.segmentation is None
     tuft = build_tuft(brush)
     assert tuft.full_press == brush.full_press_mm
     assert tuft.max_force == brush.max_force
@@ -327,7 +327,7 @@ def test_a_file_may_start_from_a_preset(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("hardness = 0.4", "says no hair, n_segments"),
+        ("hardness = 0.4", "hair, n_segments"),
         ('base = "ful"', "base is 'ful'; expected one of full"),
         ('base = "full"\nhardnes = 0.4', "there is no 'hardnes': did you mean 'hardness'"),
         ('base = "full"\nhardness = 0.9', "hardness is 0.9; expected 0.3 to 0.7"),
@@ -335,7 +335,7 @@ def test_a_file_may_start_from_a_preset(tmp_path: Path) -> None:
         ('base = "full"\nhair = []', "hair is []; expected one of goat"),
         ('base = "full"\nname = "dakai"', "a brush that comes with the program"),
         ('base = "full"\nname = "a @3"', "without ' @'"),
-        ('base = "full"\nname = "a.toml"', "no file's name"),
+        ('base = "full"\nname = "a.toml"', "not ending in .toml or .json"),
         ('base = "full"\nbristles = 300', "bristles is 300; expected parameters"),
         ('base = "full"\n[bristles]\nhair = 1', "bristles: there is no 'hair'"),
         ('base = "full"\n[bristles]\nn_hairs = 0', "bristles: n_hairs is 0; expected 1 to 10000"),

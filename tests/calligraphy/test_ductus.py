@@ -23,7 +23,7 @@ from paint3d.calligraphy.shapes.ductus import (
     form_of,
     known_strokes,
 )
-from paint3d.calligraphy.shapes.regions import Piece
+from paint3d.calligraphy.shapes.regions import InkStroke
 from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order, register, tangents_of
 from tests.support.cases import long_but
 from tests.support.examples import examples
@@ -199,7 +199,7 @@ def test_a_doubtful_stroke_begins_where_the_pen_is(line, told, begins):
         2,
         20.0,
     )
-    pieces = [(Piece(first, Polygon()), 0), (Piece(line, Polygon()), 1)]
+    pieces = [(InkStroke(first, Polygon()), 0), (InkStroke(line, Polygon()), 1)]
     assert in_known_order(pieces, known)[1].line[0].tolist() == line[begins].tolist()
     if told > 0.3:  # of letters that are joined along a line the way is known
         along_it = in_known_order(pieces, known, by_start=True)
@@ -276,7 +276,7 @@ def test_strokes_along_one_way_follow_each_other_by_their_starts():
         way, tangents_of(way), np.zeros(len(way), int), np.linspace(0.0, 1.0, len(way)), 1, 50.0
     )
     long, short = (
-        Piece(np.array([[first, 0.0], [last, 0.0]]), Polygon()) for first, last in
+        InkStroke(np.array([[first, 0.0], [last, 0.0]]), Polygon()) for first, last in
         ((1000.0, 100.0), (800.0, 650.0))
     )  # fmt: skip
     pairs = [(short, None), (long, None)]
@@ -342,7 +342,7 @@ def test_a_joined_form_counts_where_it_lies_far_nearer(
             fit=0, away=joined if isinstance(form, JoinedForm) else apart, known=form
         )
 
-    monkeypatch.setattr(decomposing, "_laid_over", laid)
+    monkeypatch.setattr(decomposing, "_lay_forms", laid)
     best = vars(decomposing)["_best_of"]([], forms)
     assert isinstance(best.known, JoinedForm) == is_joined
     assert any(isinstance(form, JoinedForm) for form in asked) == (apart > 0.15)

@@ -185,7 +185,7 @@ class Document:
     def score(self) -> Score | None:
         """All that happened; None where that is not known from the beginning.
 
-        `score_of_strokes` then tells of the strokes alone.
+        `score.playing.score_of_strokes` then makes one of the strokes alone.
         """
         return None if self.recorder is None else self.recorder.score(self.surface.source.name)
 

@@ -217,7 +217,7 @@ class Page:
 
     @property
     def runs_down(self) -> bool:
-        """Of a page that is set already it does not matter."""
+        """False: the lines of a page are set already."""
         return False
 
     @property
@@ -226,11 +226,11 @@ class Page:
         return bounds_of(piece.box for piece in self.pieces)
 
     def compose(self, room: float) -> Page:
-        """The page itself: it is set already."""
+        """Return the page itself, whose lines are set already."""
         return self
 
     def least_size(self, room: float) -> tuple[float, float]:
-        """Nothing that would say less than the page does."""
+        """No lower bound: the size of a page is known."""
         return 0.0, 0.0
 
 

@@ -43,7 +43,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
         What clips and is no such path: its words.
     """
     named = {key: element for element in root.iter() if (key := element.get("id"))}
-    if any(map(_said, root.iter())):
+    if any(map(_property_of, root.iter())):
         _put_in_place(root, named)
     paths: list[bytes] = []
     others: set[str] = set()
@@ -51,7 +51,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
     def walk(element: Element, above: Sequence[Element], clips: tuple[int, ...]) -> None:
         if tag_of(element) == "clipPath":
             return
-        text = _said(element)
+        text = _property_of(element)
         here = [*above, element]
         seen: set[str] = set()
         while text and text != "none":
@@ -65,7 +65,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
             seen.add(found[1])
             clips = (*clips, len(paths))
             paths.append(_drawing(here, path, named))
-            text = _said(path)  # itself clipped
+            text = _property_of(path)  # itself clipped
         if clips:
             element.set(CLIPS, " ".join(map(str, clips)))
         for child in element:
@@ -84,17 +84,17 @@ def _put_in_place(element: Element, named: dict[str, Element]) -> None:
             group = Element(
                 tag_like(child, "g"), {k: v for k, v in child.attrib.items() if k not in _USING}
             )
-            group.set("transform", _moved(child))
+            group.set("transform", _transform(child))
             group.append(deepcopy(used))
             element[k] = child = group
         _put_in_place(child, named)
 
 
-def _moved(use: Element) -> str:
+def _transform(use: Element) -> str:
     return f"{use.get('transform', '')} translate({use.get('x', '0')} {use.get('y', '0')})".strip()
 
 
-def _said(element: Element) -> str:
+def _property_of(element: Element) -> str:
     styled = _STYLED.search(element.get("style", ""))
     return (styled[1] if styled else element.get("clip-path", "")).strip()
 
@@ -121,11 +121,11 @@ def _drawing(place: Sequence[Element], path: Element, named: dict[str, Element])
     moved = {"transform": path.get("transform", "")}
     at = ElementTree.SubElement(at, tag_like(path, "g"), moved)
     rule = _rule_of(path)
-    at.extend(filled for child in path for filled in _filled(child, rule, named, 0))
+    at.extend(filled for child in path for filled in _as_filled(child, rule, named, 0))
     return ElementTree.tostring(drawing)
 
 
-def _filled(
+def _as_filled(
     element: Element, rule: str, named: dict[str, Element], depth: int
 ) -> Sequence[Element]:
     """An element of a clip path as it is filled; a use as what it is of."""
@@ -140,14 +140,14 @@ def _filled(
         used = named.get(next(filter(None, map(element.get, _HREFS)), "#").lstrip("#"))
         if used is None:
             return ()
-        group = Element(tag_like(element, "g"), {"transform": _moved(element)})
-        group.extend(_filled(used, rule, named, depth + 1))
+        group = Element(tag_like(element, "g"), {"transform": _transform(element)})
+        group.extend(_as_filled(used, rule, named, depth + 1))
         return (group,)
     copy = Element(element.tag, {**kept, "fill": "#000", "stroke": "none"})
     if rule:
         copy.set("fill-rule", rule)
     for child in element:
-        copy.extend(_filled(deepcopy(child), rule, named, depth + 1))
+        copy.extend(_as_filled(deepcopy(child), rule, named, depth + 1))
     return (copy,)
 
 

@@ -13,7 +13,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.shapes.continuation import dots, resampled, turns_between
+from paint3d.calligraphy.shapes.continuation import resampled, row_products, turns_between
 from paint3d.calligraphy.shapes.skeleton import Branch, Skeleton
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.arrays import AnyArray
@@ -125,7 +125,7 @@ def _legs(points: AnyArray, places: AnyArray, reach: AnyArray, ring: bool) -> ND
 
 
 def _sizes(ways: AnyArray) -> NDArray[np.float64]:
-    return np.sqrt(dots(ways, ways))[:, None]
+    return np.sqrt(row_products(ways, ways))[:, None]
 
 
 def _ends_a_stroke(opening: AnyArray, branch: Branch, skeleton: Skeleton) -> bool:
