@@ -35,6 +35,8 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
     "LAYOUTS",
+    "LEAST_EM_MM",
+    "MOST_EM_MM",
     "Layout",
     "PlacedCharacter",
     "WritingArea",
@@ -128,6 +130,8 @@ def _scatter_frames(surface: ClosestPoints) -> Iterator[SurfaceFrame]:
 
 
 LAYOUTS = ("columns", "row")
+LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
+"""Range of sizes of text, mm."""
 
 _TOUCHING = 0.004  # of the em: squares that share this much do not overlap
 _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn

@@ -18,6 +18,7 @@ from paint3d.calligraphy.centre_line import CentreLine, OutlineField, smooth_alo
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.lag_compensation import TRIALS, DraggedPath, Lead, pull, refine_pull
+from paint3d.calligraphy.polyline import arc_lengths
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -343,7 +344,7 @@ def _smooth_path(
 ) -> tuple[AnyArray, AnyArray]:
     """Interpolate the chosen path at the final step: centres (N, 2) and azimuths (N,)."""
     centre = line.points + shift[:, None] * line.normals
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(centre, axis=0), axis=1))]
+    way = arc_lengths(centre)
     at = np.linspace(0.0, way[-1], max(8, math.ceil(way[-1] / step)) + 1)
     dense = [np.interp(at, way, values) for values in (centre[:, 0], centre[:, 1], azimuth)]
     sigma = line.step / step

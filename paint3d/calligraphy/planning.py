@@ -24,13 +24,13 @@ from paint3d.calligraphy.centre_line import (
     grid_step,
     measure_line,
     outline_field,
-    resampled,
 )
 from paint3d.calligraphy.dabs import dabs_in
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.calligraphy.kernels.raster import fill_depths, label_patches
 from paint3d.calligraphy.path_fit import FittedLine, PathFitter, PlanSettings, StrokePath
+from paint3d.calligraphy.polyline import resample
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -133,7 +133,7 @@ def _bend_to(line: CentreLine, corner: Corner, nearest: int, field: OutlineField
     bump = np.exp(-0.5 * (along[near] / _BEND) ** 2)[:, None]
     bent = line.points[near] + bump * (corner.middle - line.points[nearest])
     before, after = line.points[: near[0]], line.points[near[-1] + 1 :]
-    points = np.concatenate([before, resampled(bent, line.step), after])
+    points = np.concatenate([before, resample(bent, line.step, 5), after])
     return measure_line(points, line.width, line.step, field)
 
 

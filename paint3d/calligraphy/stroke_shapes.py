@@ -24,6 +24,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
+from paint3d.calligraphy.polyline import resample_to
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -121,12 +122,12 @@ def cut_line(line: AnyArray, n_corners: int, hook: float = 0.0) -> list[StrokeSe
 
     One of the corners of a line that ends in a hook lies within the share `hook` of its end.
     """
-    points = _resampled(line, _SAMPLES)
+    points = resample_to(line, _SAMPLES)
     cuts = [0, *sorted(_find_corners(points, n_corners, hook)), _SAMPLES - 1]
     segments = []
     for first, last in pairwise(cuts):
         segments.append(
-            StrokeSegment(_smooth_segment(_resampled(points[first : last + 1], _SAMPLES)))
+            StrokeSegment(_smooth_segment(resample_to(points[first : last + 1], _SAMPLES)))
         )
     return segments
 
@@ -151,12 +152,6 @@ def _find_corners(points: AnyArray, n: int, hook: float) -> list[int]:
         if all(abs(k - other) > margin for other in chosen):
             chosen.append(int(k))
     return chosen
-
-
-def _resampled(line: AnyArray, n: int) -> NDArray[np.float64]:
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
-    at = np.linspace(0.0, way[-1], n)
-    return np.stack([np.interp(at, way, line[:, k]) for k in range(2)], axis=1)
 
 
 def _smooth_segment(points: AnyArray) -> NDArray[np.float64]:

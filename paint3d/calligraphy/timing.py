@@ -340,7 +340,7 @@ def time_paths(
     pose = None
     for k, paths in enumerate(characters):
         for j, path in enumerate(paths):
-            poses = _poses(path)
+            poses = np.column_stack([path.handle, -path.descent, path.azimuth])
             if pose is None:
                 pose = poses[0] + np.array([0.0, 0.0, tempo.dip_mm, 0.0])
             else:
@@ -367,10 +367,6 @@ class _Part:
     dips: bool
     group: int
     stroke: int = -1
-
-
-def _poses(path: StrokePath) -> NDArray[np.float64]:
-    return np.column_stack([path.handle, -path.descent, path.azimuth])
 
 
 def minimum_jerk(t: AnyArray) -> AnyArray:

@@ -35,7 +35,7 @@ from paint3d.calligraphy.hand_motion import (
     root_stretch,
     to_hand_motion,
 )
-from paint3d.calligraphy.layout import Layout, layout_text
+from paint3d.calligraphy.layout import LEAST_EM_MM, MOST_EM_MM, Layout, layout_text
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.page import Composer, Page
 from paint3d.calligraphy.path_fit import PlanSettings
@@ -52,7 +52,6 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["WritingSettings", "Written", "plan_ahead", "write_page", "write_text"]
 
-LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 MOST_VARIATION = 3.0
 
 _WIDEST = 0.2  # ems: the last footprint of the table

@@ -12,8 +12,8 @@ from shapely import LineString, MultiPolygon, Polygon, box
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.polyline import resample
 from paint3d.calligraphy.shapes import decompose as decomposing
-from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.dots import dot_among
 from paint3d.calligraphy.shapes.ductus import (
@@ -189,7 +189,7 @@ CORNER = [[104.0, 80.0], [104.0, 4.0]]
 def test_a_doubtful_stroke_begins_where_the_pen_is(line, told, begins):
     """The table's second stroke runs across it, and so tells its direction only so far."""
     line = np.array(line)
-    first, second = resampled(np.array([[0.0, 0.0], [100.0, 0.0]]), 4.0), resampled(line, 4.0)
+    first, second = resample(np.array([[0.0, 0.0], [100.0, 0.0]]), 4.0), resample(line, 4.0)
     along, aside = tangents_of(second), tangents_of(second)[:, ::-1] * [-1.0, 1.0]
     known = KnownStrokes(
         np.concatenate([first, second]),
@@ -262,7 +262,7 @@ def test_the_way_through_joined_letters_leads_to_the_left():
 
 def test_a_slanted_letter_is_found_by_its_slant():
     """The K of KanjiVG, leaned by 31 degrees: laid by its box, its strokes end in each other's."""
-    lines = [resampled(stroke.median, 20.0, 6) for stroke in known_strokes(SOURCE, "K")[0].strokes]
+    lines = [resample(stroke.median, 20.0, 6) for stroke in known_strokes(SOURCE, "K")[0].strokes]
     leaned = [line @ np.array([[0.6, 0.0], [0.6, 1.0]]) for line in lines]
     tangents = np.concatenate([tangents_of(line) for line in leaned])
     found = register(lines, np.concatenate(leaned), tangents, start="slanted")
@@ -271,7 +271,7 @@ def test_a_slanted_letter_is_found_by_its_slant():
 
 
 def test_strokes_along_one_way_follow_each_other_by_their_starts():
-    way = resampled(np.array([[1000.0, 0.0], [0.0, 0.0]]), 5.0)
+    way = resample(np.array([[1000.0, 0.0], [0.0, 0.0]]), 5.0)
     known = KnownStrokes(
         way, tangents_of(way), np.zeros(len(way), int), np.linspace(0.0, 1.0, len(way)), 1, 50.0
     )

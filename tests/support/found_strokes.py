@@ -12,8 +12,7 @@ from scipy.stats import kendalltau
 from shapely import MultiPolygon, Polygon
 
 from paint3d.calligraphy.glyphs import GlyphStroke
-from paint3d.calligraphy.shapes.continuation import resampled
-from paint3d.calligraphy.shapes.skeleton import line_length
+from paint3d.calligraphy.polyline import line_length, resample
 from paint3d.core.arrays import AnyArray
 
 __all__ = ["AsListed", "Found", "as_listed", "joined", "region_of", "score"]
@@ -158,7 +157,7 @@ def _in_unit_box(lines: Sequence[AnyArray]) -> list[np.ndarray]:
 
 
 def _evenly(line: AnyArray) -> np.ndarray:
-    return resampled(line, max(line_length(line), 1e-9) / (_POINTS - 1), _POINTS)[:_POINTS]
+    return resample(line, max(line_length(line), 1e-9) / (_POINTS - 1), _POINTS)[:_POINTS]
 
 
 def _same_course(line: AnyArray, other: AnyArray) -> bool:

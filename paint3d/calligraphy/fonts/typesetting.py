@@ -414,12 +414,10 @@ class FontText:
                 if in_words:
                     piece = replace(piece, word=(k, _word_of(line, body.glyphs[0].cluster)))
                 pieces.append(piece)
-        return Page(tuple(pieces), self.font.name, self._licence())
-
-    def _licence(self) -> str:
-        if self.templates is None:
-            return self.font.licence
-        return f"{self.font.licence}. Order of known strokes: {self.templates.name}"
+        licence = self.font.licence
+        if self.templates is not None:
+            licence = f"{licence}. Order of known strokes: {self.templates.name}"
+        return Page(tuple(pieces), self.font.name, licence)
 
     def _piece(self, body: Body, text: str, at: AnyArray, middle: float) -> Piece:
         """A body as a piece; the middle of its box lies on the middle of the line."""
@@ -434,14 +432,14 @@ class FontText:
 
     def _glyph(self, body: Body, text: str, middle: float) -> Glyph:
         """The strokes of a body, and its box, from its first glyph's origin."""
-        from shapely import transform
+        from shapely import transform, unary_union
 
         first = body.glyphs[0]
         origin = np.array([first.x, first.y])
         parts = [transform(part, lambda points: points - origin) for part in body.parts]
         forms = self._known_strokes(body, text)
         strokes: list[GlyphStroke] = []
-        shapes = [_together(parts)] if forms else parts
+        shapes = [as_multipolygon(unary_union(parts))] if forms else parts  # known lines: of both
         ways = [forms or self._way_through(body, text), *[()] * (len(shapes) - 1)]
         for shape, known in zip(shapes, ways, strict=True):
             strokes += with_stubs(_decompose(shape, known, first.is_rtl), _BOLD)
@@ -509,13 +507,6 @@ def _mirror(strokes: Sequence[GlyphStroke]) -> tuple[GlyphStroke, ...]:
         )
         for one in strokes
     )
-
-
-def _together(parts: Sequence[MultiPolygon]) -> MultiPolygon:
-    """A body with its marks: the lines of a known character are those of both."""
-    from shapely import unary_union
-
-    return as_multipolygon(unary_union(parts))
 
 
 def _placement(body: Body) -> list[tuple[int, float, float]]:

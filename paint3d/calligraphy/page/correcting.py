@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Box, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece
+from paint3d.calligraphy.polyline import arc_lengths, points_at
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -182,7 +183,7 @@ class CorrectedPage:
         there = shapely.Point(*point)
         best, found = (np.inf, np.inf), None
         for k, one in enumerate(self.strokes):
-            off = shapely.distance(_region(one.stroke), there)
+            off = shapely.distance(one.stroke.polygon(), there)
             line = shapely.distance(shapely.LineString(one.stroke.median), there)
             if off <= reach and (off, line) < best:
                 best, found = (float(off), float(line)), k
@@ -299,31 +300,11 @@ def _bound_strokes(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
-def _region(stroke: GlyphStroke) -> Polygon:
-    """A stroke's region as one shape."""
-    import shapely
-
-    area = shapely.Polygon(stroke.outline, stroke.holes)
-    return area if area.is_valid else area.buffer(0.0)
-
-
 def _as_stroke(
     region: Polygon, median: AnyArray, dryness: Sequence[float], strength: float
 ) -> GlyphStroke:
     rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
     return GlyphStroke(rings[0], median, tuple(rings[1:]), tuple(dryness), strength)
-
-
-def _arc_lengths(line: AnyArray) -> NDArray[np.float64]:
-    """Arc length of each point of a line (M, 2)."""
-    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _points_at(line: AnyArray, way: AnyArray) -> NDArray[np.float64]:
-    """Places (K, 2) so far along a line."""
-    along = _arc_lengths(line)
-    return np.column_stack([np.interp(way, along, line[:, axis]) for axis in (0, 1)])
 
 
 def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphStroke]:
@@ -342,13 +323,13 @@ def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphS
     cut, length = float(line.project(shapely.Point(*point))), float(line.length)
     if not _NEAREST_END * length < cut < (1.0 - _NEAREST_END) * length:
         raise InputError("the cut lies at the stroke's end; expected a place between its ends")
-    middle = _points_at(stroke.median, np.array([cut]))
-    along = _arc_lengths(stroke.median)
+    middle = points_at(stroke.median, np.array([cut]))
+    along = arc_lengths(stroke.median)
     lines = (
         np.concatenate([stroke.median[along < cut], middle]),
         np.concatenate([middle, stroke.median[along > cut]]),
     )
-    regions = _part_region(_region(stroke), stroke.median, cut)
+    regions = _part_region(stroke.polygon(), stroke.median, cut)
     drynesses = _part_dryness(stroke.dryness, cut / length)
     first, second = (
         _as_stroke(region, own, dry, stroke.strength)
@@ -361,13 +342,13 @@ def _part_region(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon
     """A region in two, by which part of its line is nearest: the cells of points along it."""
     import shapely
 
-    length = float(_arc_lengths(median)[-1])
+    length = float(arc_lengths(median)[-1])
     step = max(length / _MOST_SAMPLES, 0.125 * float(region.area) / length)
     before = np.arange(cut - 0.5 * step, 0.0, -step)  # the cut is the border of two cells
     after = np.arange(cut + 0.5 * step, length, step)
     if not len(before) or not len(after):
         before, after = np.array([0.5 * cut]), np.array([1.5 * cut])
-    places = np.round(_points_at(median, np.concatenate([before, after])) / _GRID) * _GRID
+    places = np.round(points_at(median, np.concatenate([before, after])) / _GRID) * _GRID
     _, first = np.unique(places, axis=0, return_index=True)  # of a line that comes back on itself
     kept = np.sort(first)
     points = shapely.points(places[kept])
@@ -444,11 +425,11 @@ def _join_strokes(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
     )  # fmt: skip
     gaps = [float(np.linalg.norm(a.median[-1] - b.median[0])) for a, b in pairs]
     a, b = pairs[int(np.argmin(gaps))]
-    shapes = _region(a), _region(b)
+    shapes = a.polygon(), b.polygon()
     if min(shape.area for shape in shapes) <= 0.0:
         raise InputError("a stroke without area was to be joined; expected one with ink")
     merged = _polygons(shapes[0].union(shapes[1], grid_size=_GRID))
-    lengths = [float(_arc_lengths(part.median)[-1]) for part in (a, b)]
+    lengths = [float(arc_lengths(part.median)[-1]) for part in (a, b)]
     region = merged[0]
     if len(merged) > 1:
         widths = [s.area / max(w, 1e-9) for s, w in zip(shapes, lengths, strict=True)]

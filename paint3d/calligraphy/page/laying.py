@@ -348,8 +348,9 @@ class _Sheet:
         if too_wide if level.closed else x > level.length:
             raise self._line_ends()
         frame = upright_frame(self.surface, level.at(x), self.up)
-        size = [self.scale * (high - low) for low, high in zip(*_corners(piece), strict=True)]
-        square = lay_square(self.surface, frame, self.em_mm, self.limits, (size[0], size[1]))
+        box = piece.glyph.box
+        size = self.scale * (box[2] - box[0]), self.scale * (box[3] - box[1])
+        square = lay_square(self.surface, frame, self.em_mm, self.limits, size)
         return PlacedPiece(piece.glyph, square)
 
     def _level(self, height: float, sign: float) -> SurfaceLine:
@@ -370,8 +371,3 @@ class _Sheet:
 
     def _walk(self, start: SurfaceFrame, bearing: tuple[float, float]) -> SurfaceLine:
         return walk(self.surface, start, self.up, bearing, None, walking_step(self.em_mm))
-
-
-def _corners(piece: Piece) -> tuple[tuple[float, float], tuple[float, float]]:
-    left, lower, right, upper = piece.glyph.box
-    return (left, lower), (right, upper)

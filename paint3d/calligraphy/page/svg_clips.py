@@ -13,12 +13,15 @@ from copy import deepcopy
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-__all__ = ["CLIPS", "mark_clipped", "tag_like", "tag_of"]
+__all__ = ["CLIPS", "HREFS", "SHAPES", "mark_clipped", "tag_like", "tag_of"]
 
 CLIPS = "data-paint3d-clips"
 """The attribute with the places, in what `mark_clipped` returns, of all paths that clip a shape."""
-_HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
-_USING = (*_HREFS, "x", "y", "width", "height")
+HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
+"""Attributes that refer to another element."""
+SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
+"""Tags of the elements that are drawn."""
+_USING = (*HREFS, "x", "y", "width", "height")
 _REFERENCE = re.compile(r"""\s*url\(\s*['"]?#([^'")]+)['"]?\s*\)\s*""")
 _STYLED = re.compile(r"(?:^|;)\s*clip-path\s*:\s*([^;!]*)", re.IGNORECASE)
 _RULE = re.compile(r"(?:^|;)\s*clip-rule\s*:\s*([^;!\s]*)", re.IGNORECASE)
@@ -78,7 +81,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
 def _put_in_place(element: Element, named: dict[str, Element]) -> None:
     """Put what is used into the place of its uses, where it may be clipped otherwise."""
     for k, child in enumerate(element):
-        href = next(filter(None, map(child.get, _HREFS)), "")
+        href = next(filter(None, map(child.get, HREFS)), "")
         used = named.get(href.lstrip("#")) if tag_of(child) == "use" else None
         if used is not None:
             group = Element(
@@ -132,12 +135,14 @@ def _as_filled(
     if tag_of(element) == "clipPath" or depth > _MOST:
         return ()
     rule = _rule_of(element) or rule
-    hidden = element.get("display") == "none" or "display:none" in _bare(element.get("style", ""))
+    hidden = element.get("display") == "none" or "display:none" in re.sub(
+        r"\s+", "", element.get("style", "").lower()
+    )
     if hidden:
         return ()
     kept = {k: v for k, v in element.attrib.items() if k not in _LOOKS}
     if tag_of(element) == "use":
-        used = named.get(next(filter(None, map(element.get, _HREFS)), "#").lstrip("#"))
+        used = named.get(next(filter(None, map(element.get, HREFS)), "#").lstrip("#"))
         if used is None:
             return ()
         group = Element(tag_like(element, "g"), {"transform": _transform(element)})
@@ -154,10 +159,6 @@ def _as_filled(
 def _rule_of(element: Element) -> str:
     styled = _RULE.search(element.get("style", ""))
     return styled[1] if styled else element.get("clip-rule", "")
-
-
-def _bare(text: str) -> str:
-    return re.sub(r"\s+", "", text.lower())
 
 
 def tag_of(element: Element) -> str:

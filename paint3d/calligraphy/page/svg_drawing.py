@@ -30,14 +30,21 @@ from paint3d.calligraphy.page.page import (
     Page,
     Piece,
     as_multipolygon,
-    bezier_points,
     bounds_of,
     fill_rings,
     polygons_of,
     rings_of,
 )
-from paint3d.calligraphy.page.svg_clips import CLIPS, mark_clipped, tag_like, tag_of
+from paint3d.calligraphy.page.svg_clips import (
+    CLIPS,
+    HREFS,
+    SHAPES,
+    mark_clipped,
+    tag_like,
+    tag_of,
+)
 from paint3d.calligraphy.page.svg_lengths import in_numbers
+from paint3d.calligraphy.polyline import arc_lengths, bezier_points
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.arrays import AnyArray
 from paint3d.core.foreign_xml import XmlFault, parse_xml
@@ -46,7 +53,7 @@ from paint3d.errors import InputError, Message
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["HREFS", "check_numbers", "check_svg", "in_place", "load_svg", "svg_shape"]
+__all__ = ["check_numbers", "check_svg", "in_place", "load_svg", "svg_shape"]
 
 # ---- Numbers -------------------------------------------------------------------------------------
 # Whether the numbers of a drawing's shapes are numbers: what is none is named, not painted over.
@@ -55,8 +62,7 @@ __all__ = ["HREFS", "check_numbers", "check_svg", "in_place", "load_svg", "svg_s
 # each as it likes (SVG 1.1, appendix F.2 only asks that the document be said to be in error).
 
 
-_SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
-_TAGS = (*_SHAPES, "a", "g", "svg", "switch", "symbol", "use")
+_TAGS = (*SHAPES, "a", "g", "svg", "switch", "symbol", "use")
 _NAMESPACES = ("", "{http://www.w3.org/2000/svg}")
 _SIZE_NAMES = ("width", "height", "r", "stroke-width")
 _SHARES = ("opacity", "fill-opacity", "stroke-opacity")
@@ -280,7 +286,7 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
             line=fault.line,
             what=fault.what,
         ) from None
-    if root.tag.rpartition("}")[2] != "svg":
+    if tag_of(root) != "svg":
         raise InputError(
             "{name}: the outermost element is {tag!r}; expected svg",
             name=name,
@@ -288,7 +294,7 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
         )
     for element in root.iter():
         for href in filter(None, map(element.get, HREFS)):
-            tag = element.tag.rpartition("}")[2]
+            tag = tag_of(element)
             if not href.startswith("#") and tag != "a":
                 raise _external_references(name, href)
         for text in (element.text or "", *element.attrib.values()):
@@ -324,7 +330,7 @@ def _count(root: ElementTree.Element, name: str) -> None:
         if element not in sizes:
             open_now.add(element)
             total = 1 + sum(size(child) for child in element)
-            if element.tag.rpartition("}")[2] == "use":
+            if tag_of(element) == "use":
                 used = next(filter(None, map(element.get, HREFS)), "#").lstrip("#")
                 total += size(named[used]) if used in named else 0
             open_now.discard(element)
@@ -352,7 +358,6 @@ def _count(root: ElementTree.Element, name: str) -> None:
 # and 7.9; SVG 2, 5.6). The package that reads drawings draws them all where they stand.
 
 
-HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
 _NOT_DRAWN = ("marker", "mask", "symbol")
 _SIZES, _PLACE = ("width", "height"), ("x", "y")
 
@@ -521,7 +526,7 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
             "(text has to be turned into paths, pictures into drawings)",
             file=path,
         )
-    tags = {element.tag.rpartition("}")[2] for element in root.iter()}
+    tags = {tag_of(element) for element in root.iter()}
     left_out = [tag for tag in _NOT_PAINTED if tag in tags]
     if left_out:
         _LOG.warning("%s: not painted: %s", path.name, ", ".join(left_out))
@@ -925,7 +930,7 @@ def _extend_closed(ink: _Ink) -> AnyArray:
     assert ink.line is not None
     if not ink.closed:
         return ink.line
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ink.line, axis=0), axis=1))]
+    way = arc_lengths(ink.line)
     after = np.flatnonzero((way > 0.0) & (way < 0.5 * ink.width))
     last = [np.interp(0.5 * ink.width, way, ink.line[:, k]) for k in range(2)]
     result: AnyArray = np.concatenate([ink.line, ink.line[after], [last]])

@@ -12,6 +12,8 @@ import re
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
+from paint3d.calligraphy.page.svg_clips import SHAPES, tag_of
+
 __all__ = ["in_numbers"]
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
@@ -29,8 +31,7 @@ _SIZES = {"xx-small": 0.6, "x-small": 0.75, "small": 8 / 9, "medium": 1.0, "larg
 _SIZES |= {"x-large": 1.5, "xx-large": 2.0}
 _STEPS = {"smaller": 1 / 1.2, "larger": 1.2}
 _VIEWS = ("svg",)
-_SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
-_COUNTED = (*_SHAPES, *_VIEWS, "g", "a", "use", "switch", "clipPath", "defs")
+_COUNTED = (*SHAPES, *_VIEWS, "g", "a", "use", "switch", "clipPath", "defs")
 
 
 class _Place(NamedTuple):
@@ -56,7 +57,7 @@ def in_numbers(root: Element) -> None:
     stack = [(child, place) for child in root]
     while stack:
         element, place = stack.pop()
-        tag = element.tag.rpartition("}")[2]
+        tag = tag_of(element)
         if tag not in _COUNTED:
             continue
         place = place._replace(font=_font_size(element, place.font, place.root[2]))

@@ -180,7 +180,7 @@ def _boxes_in_lines(boxes: AnyArray, lines: list[str], columns: bool) -> list[li
     across = 0.5 * (boxes[:, 0] + boxes[:, 2])
     bounds = _line_spans(boxes, sum(counts))
     if len(lines) > 1 and len(bounds) != len(lines):
-        bounds = _cut_evenly(boxes[:, [0, 2]], [1] * len(lines))
+        bounds = list(pairwise(_find_cuts(boxes[:, [0, 2]], len(lines))))
     if columns:
         bounds = bounds[::-1]
     if len(lines) == 1 and len(bounds) > 1:
@@ -228,12 +228,6 @@ def _count_by_length(boxes: AnyArray, bounds: list[tuple[float, float]], n: int)
     while sum(counts) < n:
         counts[int(np.argmax(np.array(lengths) / counts))] += 1
     return counts
-
-
-def _cut_evenly(spans: AnyArray, counts: Sequence[int]) -> list[tuple[float, float]]:
-    """Spans of as many lines as there are, where least ink is crossed."""
-    cuts = _find_cuts(spans, len(counts))
-    return list(pairwise(cuts))
 
 
 def _cut_line(boxes: AnyArray, mine: AnyArray, n: int) -> list[list[int]]:

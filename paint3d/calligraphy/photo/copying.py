@@ -45,6 +45,7 @@ from paint3d.calligraphy.photo.sheet import (
     white_on_dark,
     whole_picture,
 )
+from paint3d.calligraphy.polyline import line_length, signed_area
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Message
@@ -418,12 +419,7 @@ def _strength(share: float) -> float:
 
 def _fill_bands(stroke: GlyphStroke) -> list[GlyphStroke]:
     """A stroke, or the bands that fill one that is wider than the brush."""
-    import shapely
-
-    if not is_wide(stroke):
-        return [stroke]
-    area = shapely.Polygon(stroke.outline, stroke.holes)
-    return fill_in_bands(area if area.is_valid else area.buffer(0.0))
+    return fill_in_bands(stroke.polygon()) if is_wide(stroke) else [stroke]
 
 
 def _encode_srgb(sheet: NDArray[np.float32]) -> NDArray[np.uint8]:
@@ -504,12 +500,7 @@ def check_widths(page: Page, brush: BrushSpec, em_mm: float, resolution_mm: floa
 def _width(stroke: GlyphStroke) -> float:
     """Mean width of a stroke, glyph units."""
     rings = (stroke.outline, *stroke.holes)
-    areas = [_area(ring) for ring in rings]
-    length = float(np.linalg.norm(np.diff(stroke.median, axis=0), axis=1).sum())
+    areas = [abs(signed_area(ring)) for ring in rings]
+    length = line_length(stroke.median)
     area = max(areas[0] - sum(areas[1:]), 0.0)
     return area / max(length + 0.25 * math.sqrt(area), 1e-9)
-
-
-def _area(ring: AnyArray) -> float:
-    x, y = ring.T
-    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))

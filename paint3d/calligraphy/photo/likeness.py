@@ -15,6 +15,7 @@ from paint3d.calligraphy.page.page import Piece
 from paint3d.calligraphy.photo.copying import CopiedSheet
 from paint3d.calligraphy.photo.dryness import dryness_along, strength_of
 from paint3d.calligraphy.photo.flat_page import FlatPage
+from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import make_chart, unroll
@@ -143,8 +144,7 @@ def strength_of_both(
     sheet: FlatPage, painted: PaintedSheet
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Strength of the ink of all strokes (K,): as they say, and painted."""
-    codes = np.arange(256) / 255.0
-    table = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
+    table = decode_srgb(np.arange(256, dtype=np.uint8))
     light = table[painted.picture].mean(axis=2)
     mask = painted.cover > _COVERED
     bare = painted.cover <= 0.0

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.photo.ink_mask import otsu
+from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -52,14 +53,13 @@ __all__ = [
 _FLAT = 0.02  # of perspective: below it the focal length says nothing
 _FOCAL = (0.4, 6.0)  # longer sides of the picture: focal lengths that cameras have
 _SLIMMEST = 12.0  # ratio of the sides
+_CODES = np.arange(256, dtype=np.uint8)
 _ROWS = 256  # that are looked up at once: bounds the memory
 
 
 def linear_light(codes: AnyArray) -> NDArray[np.float32]:
-    """Linear values, 0 to 1, of sRGB codes (uint8) (IEC 61966-2-1)."""
-    value = np.arange(256) / 255.0
-    table = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
-    result: NDArray[np.float32] = table.astype(np.float32)[codes]
+    """Linear values, 0 to 1, of sRGB codes (uint8)."""
+    result: NDArray[np.float32] = decode_srgb(_CODES).astype(np.float32)[codes]
     return result
 
 

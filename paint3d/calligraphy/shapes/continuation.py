@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.calligraphy.polyline import resample
 from paint3d.calligraphy.shapes.skeleton import Branch, Junction, Skeleton
 from paint3d.core.arrays import AnyArray
 
-__all__ = ["Chain", "End", "chains_of", "mates_of", "resampled", "row_products", "turns_between"]
+__all__ = ["Chain", "End", "chains_of", "mates_of", "row_products", "turns_between"]
 
 _MOST_TURN = 50.0  # degrees, of two branches that are one stroke
 _DIRECTION_FROM, _DIRECTION_TO = 1.0, 3.0  # radii beyond a junction where directions are taken
@@ -53,14 +54,6 @@ class Chain:
 
     links: tuple[tuple[int, bool], ...]
     closed: bool = False
-
-
-def resampled(line: AnyArray, step: float, least: int = 2) -> NDArray[np.float64]:
-    """A line (N, 2) at even distances of about `step`, at `least` so many points."""
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
-    n = max(least, math.ceil(way[-1] / step) + 1) if way[-1] > 0.0 else least
-    at = np.linspace(0.0, way[-1], n)
-    return np.stack([np.interp(at, way, line[:, k]) for k in range(2)], axis=1)
 
 
 def row_products(ones: AnyArray, twos: AnyArray) -> NDArray[np.float64]:
@@ -151,7 +144,7 @@ def _end(
     half_widths: Callable[[AnyArray], NDArray[np.float64]],
 ) -> End:
     """Direction in which a branch leaves a junction, taken where it is clear of it."""
-    line = resampled(branch.away_from(side), max(0.2 * junction.radius, 1e-3 * branch.length), 8)
+    line = resample(branch.away_from(side), max(0.2 * junction.radius, 1e-3 * branch.length), 8)
     way = np.linspace(0.0, branch.length, len(line))
     low = min(_DIRECTION_FROM * junction.radius, 0.4 * branch.length)
     high = min(low + (_DIRECTION_TO - _DIRECTION_FROM) * junction.radius, branch.length)

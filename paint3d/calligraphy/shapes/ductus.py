@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.polyline import arc_lengths, signed_area
 from paint3d.calligraphy.shapes.regions import InkStroke
 from paint3d.core.arrays import AnyArray
 
@@ -344,9 +345,7 @@ def directed(line: AnyArray, region: Polygon | None = None) -> NDArray[np.float6
     What is left over of a known letter is told by its line alone: it has no taper of its own.
     """
     if np.array_equal(line[0], line[-1]):
-        x, y = line[:-1].T
-        leftwards = float(np.sum(np.roll(x, 1) * y - x * np.roll(y, 1))) > 0.0
-        return line if leftwards else line[::-1]
+        return line if signed_area(line[:-1]) > 0.0 else line[::-1]  # leftwards first
     easier = _ease(line) - _ease(line[::-1])
     if region is not None:
         easier += _POINTED * _taper(line, region)
@@ -357,7 +356,7 @@ def _taper(line: AnyArray, region: Polygon) -> float:
     """Logarithm of how much wider a stroke's first part is than its last, -1 to 1."""
     import shapely
 
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    way = arc_lengths(line)
     at = way[-1] * np.array([_NEAR_ENDS, np.subtract(1.0, _NEAR_ENDS)])
     places = [np.interp(at.ravel(), way, line[:, axis]) for axis in (0, 1)]
     away = shapely.distance(shapely.points(*places), region.boundary)

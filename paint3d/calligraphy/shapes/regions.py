@@ -14,8 +14,9 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.centre_line import smooth_along
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.page.page import polygons_of, rings_of
-from paint3d.calligraphy.shapes.continuation import Chain, resampled
-from paint3d.calligraphy.shapes.skeleton import Junction, Skeleton, line_length
+from paint3d.calligraphy.polyline import arc_lengths, line_length, resample
+from paint3d.calligraphy.shapes.continuation import Chain
+from paint3d.calligraphy.shapes.skeleton import Junction, Skeleton
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.arrays import AnyArray
 
@@ -69,7 +70,7 @@ def line_of(chain: Chain, ink: Ink) -> NDArray[np.float64]:
         radii = [ink.skeleton.junctions[number].radius for number in ends]
         most = _LEFT_OUT_SHARE * branch.length
         cut = [min(_LEFT_OUT * radius, most) for radius in radii]
-        way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+        way = arc_lengths(line)
         low = cut[0] if k > 0 or (chain.closed and n > 1) else 0.0
         high = way[-1] - (cut[1] if k + 1 < n or (chain.closed and n > 1) else 0.0)
         parts.append(_line_between(line, way, low, high))
@@ -101,7 +102,7 @@ def _piece_of(chain: Chain, ink: Ink, degrees: Counter[int]) -> InkStroke:
 
     line = line_of(chain, ink)
     half = max(
-        float(np.median(ink.half_widths(resampled(line, 0.02 * line_length(line) + 1e-12, 8)))),
+        float(np.median(ink.half_widths(resample(line, 0.02 * line_length(line) + 1e-12, 8)))),
         1e-9,
     )
     cells: list[int] = []
@@ -125,7 +126,7 @@ def _swept_area(branch: AnyArray, junction: Junction, line: AnyArray, ink: Ink) 
     """Area that a stroke of the branch's width sweeps along its line near a junction."""
     import shapely
 
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(branch, axis=0), axis=1))]
+    way = arc_lengths(branch)
     clear = min(1.2 * junction.radius, 0.5 * way[-1])
     outside = np.array([[np.interp(clear, way, branch[:, k]) for k in range(2)]])
     half = float(min(ink.half_widths(outside)[0], junction.radius))
@@ -139,7 +140,7 @@ def _smooth_in_region(line: AnyArray, half: float, region: Polygon) -> NDArray[n
     import shapely
 
     step = min(_STEP * half, line_length(line) / 8.0)
-    even = resampled(line, max(step, 1e-12), 4)
+    even = resample(line, max(step, 1e-12), 4)
     shapely.prepare(region)
     calm = _CALM
     while calm > _LEAST_CALM:

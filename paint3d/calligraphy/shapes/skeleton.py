@@ -12,10 +12,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.calligraphy.polyline import arc_lengths, line_length
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.arrays import AnyArray
 
-__all__ = ["Branch", "Junction", "Skeleton", "line_length", "skeleton_of", "tidy"]
+__all__ = ["Branch", "Junction", "Skeleton", "skeleton_of", "tidy"]
 
 
 @dataclass(eq=False)
@@ -80,11 +81,6 @@ class Branch:
     def away_from(self, side: int) -> NDArray[np.float64]:
         """Its line from its first (0) or its last point (1) on."""
         return self.line[::-1] if side else self.line
-
-
-def line_length(line: AnyArray) -> float:
-    """The length of a line (N, 2)."""
-    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
 @dataclass(eq=False)
@@ -234,7 +230,7 @@ class _Tidying:
             out = spur.away_from(0 if spur.ends[0] == base else 1)
             if not _is_fold(out, self.junctions[base], [b.away_from(s) for b, s in here]):
                 continue
-            way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(out, axis=0), axis=1))]
+            way = arc_lengths(out)
             into = out[way <= max(way[-1] - self.junctions[base].radius, 0.0)]
             self._remove(spur)
             self.junctions[base].cells += spur.cells + self.junctions.pop(tip).cells

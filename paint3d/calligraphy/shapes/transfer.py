@@ -14,11 +14,12 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, resampled, turns_between
+from paint3d.calligraphy.polyline import line_length, resample
+from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, turns_between
 from paint3d.calligraphy.shapes.corners import cut_branch
 from paint3d.calligraphy.shapes.ductus import directed
 from paint3d.calligraphy.shapes.regions import Ink, InkStroke, line_of
-from paint3d.calligraphy.shapes.skeleton import Branch, line_length
+from paint3d.calligraphy.shapes.skeleton import Branch
 from paint3d.core.arrays import AnyArray
 
 __all__ = [
@@ -96,14 +97,14 @@ def register(
     starts = _fit_boxes(lines, goals) if start == "box" else _fit_moments(lines, goals, start)
     total = sum(line_length(line) for line in starts)
     step = max(_LEAST_STEP, total / _MOST_POINTS)
-    starts = [resampled(line, step, 4) for line in starts]
+    starts = [resample(line, step, 4) for line in starts]
     moved = _drift(starts, goals, tangents)
     return [low + line / scale for line in moved]
 
 
 def _fit_boxes(lines: Sequence[AnyArray], goals: AnyArray) -> list[NDArray[np.float64]]:
     """Stretch lines so that their box is that of the goals."""
-    points = np.concatenate([resampled(line, line_length(line) / 20.0, 20) for line in lines])
+    points = np.concatenate([resample(line, line_length(line) / 20.0, 20) for line in lines])
     mine, wanted = (np.percentile(values, _OUTER, axis=0) for values in (points, goals))
     size = np.maximum(mine[1] - mine[0], 0.07 * float((mine[1] - mine[0]).max()) + 1e-12)
     stretch = (wanted[1] - wanted[0]) / size
@@ -116,7 +117,7 @@ def _fit_moments(
     lines: Sequence[AnyArray], goals: AnyArray, start: str
 ) -> list[NDArray[np.float64]]:
     """Stretch and slant lines so that their first and second moments are those of the goals."""
-    points = np.concatenate([resampled(line, line_length(line) / 20.0, 20) for line in lines])
+    points = np.concatenate([resample(line, line_length(line) / 20.0, 20) for line in lines])
     if start == "swash":
         across = (np.linalg.inv(_lower_root(goals)) @ (goals - goals.mean(axis=0)).T)[0]
         goals = goals[across > np.percentile(across, _SWASH)]
@@ -274,7 +275,7 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
     targets, tangents = [], []
     for ink in inks:
         for branch in ink.skeleton.branches:
-            points = resampled(branch.line, _STEP * width, 3)
+            points = resample(branch.line, _STEP * width, 3)
             targets.append(points)
             tangents.append(tangents_of(points))
         if not ink.skeleton.branches:
@@ -285,7 +286,7 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
     best: tuple[float, KnownStrokes] | None = None
     for start in STARTS:
         moved = register(lines, *goals, start=start)
-        known = _known_points([resampled(line, width / _SAMPLE, 6) for line in moved], width)
+        known = _known_points([resample(line, width / _SAMPLE, 6) for line in moved], width)
         along = [known.costs(one).min(axis=1) for one in targets if len(one) > 1]
         away = known.missed(targets) + float(np.mean(np.concatenate([np.zeros(1), *along])))
         if best is None or away < best[0]:
@@ -334,7 +335,7 @@ def fit_of(
         How far shape and lines are from each other, in the mean both ways, widths.
     """
     lines = [
-        resampled(branch.line, _STEP * known.width, 3)
+        resample(branch.line, _STEP * known.width, 3)
         for ink in inks
         for branch in ink.skeleton.branches
     ]
@@ -414,7 +415,7 @@ def _stroke_of(chain: Chain, ink: Ink, known: KnownStrokes) -> int:
 
 
 def _label(branch: Branch, known: KnownStrokes) -> int:
-    costs = known.costs(resampled(branch.line, _STEP * known.width, 3))
+    costs = known.costs(resample(branch.line, _STEP * known.width, 3))
     inner = costs[len(costs) // 5 : len(costs) - len(costs) // 5]
     return int(np.argmin(inner.sum(axis=0)))
 
@@ -431,7 +432,7 @@ def _ends_on(
     whole : bool
         Whether it lies on one stroke: stations are those of its halves, led on to its ends.
     """
-    line = resampled(branch.line, _STEP * known.width, 6)
+    line = resample(branch.line, _STEP * known.width, 6)
     if whole:
         stroke, half = _label(branch, known), len(line) // 2
         first, last = (known.station_of(part, stroke) for part in (line[:half], line[half:]))
@@ -473,7 +474,7 @@ def _change_in(
 
     Where smooth lines are not torn, at a corner.
     """
-    points = resampled(branch.line, _STEP * known.width, 3)
+    points = resample(branch.line, _STEP * known.width, 3)
     step = branch.length / (len(points) - 1)
     reach = max(2, round(known.width / max(step, 1e-12)))
     if len(points) < 2 * reach:
@@ -524,13 +525,13 @@ def in_known_order(
     """
     placed: list[tuple[float, int, InkStroke, float]] = []
     for piece, stroke in pieces:
-        line = resampled(piece.line, _STEP * known.width, 5)
+        line = resample(piece.line, _STEP * known.width, 5)
         place, forward = known.placed(line, stroke, dots)
         turned = piece.line if forward >= 0.0 else piece.line[::-1]
         if abs(forward) < _UNCLEAR or known.residual(line) > _STRANGE:
             turned, forward = directed(piece.line), 0.0
         if by_start:
-            begins = resampled(turned, _STEP * known.width, 5)
+            begins = resample(turned, _STEP * known.width, 5)
             begins = begins[: max(3, round(_NEAR_END / _STEP))]
             place, _ = known.placed(begins, stroke, dots)
         placed.append((place, len(placed), InkStroke(turned, piece.region), abs(forward)))
@@ -550,7 +551,7 @@ def _runs_back(before: AnyArray, line: AnyArray, sure: float, width: float) -> b
     away = np.linalg.norm(line[[0, -1]] - before[-1], axis=1)
     if not away[1] < _TOUCHING * width < away[0]:
         return False
-    ways = [resampled(one, _STEP * width, 5) for one in (before, line[::-1])]
+    ways = [resample(one, _STEP * width, 5) for one in (before, line[::-1])]
     reach = max(2, round(1.0 / _STEP))
     arrives, leaves = ways[0][-1] - ways[0][-1 - reach], ways[1][reach] - ways[1][0]
     smooth = float(turns_between(arrives[None], leaves[None])[0]) < _RUNS_ON
