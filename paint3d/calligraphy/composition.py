@@ -113,7 +113,7 @@ def compose(
         (_GAP, _MOST_GAP) if gap is None else (gap, gap),
         (_BETWEEN, _MOST_BETWEEN) if between is None else (between, between),
     )
-    composed = _compose_panels if sheet.usual.panels > 1 else _choose_best
+    composed = _on_panels if sheet.usual.panels > 1 else _best
     found = composed(asked, verses)
     if found.em_mm < _LEAST_MM:
         n = len("".join(verses))
@@ -155,12 +155,12 @@ class _Asked:
     between: tuple[float, float]
 
 
-def _choose_best(asked: _Asked, verses: Sequence[str]) -> Composition:
-    found = (_rate_lines(asked, lines) for lines in _ways_to_break(verses))
+def _best(asked: _Asked, verses: Sequence[str]) -> Composition:
+    found = (_fitted(asked, lines) for lines in _ways_to_break(verses))
     return max(found, key=lambda one: one[0])[1]
 
 
-def _compose_panels(asked: _Asked, verses: list[str]) -> Composition:
+def _on_panels(asked: _Asked, verses: list[str]) -> Composition:
     """A couplet: a half on each panel, in as many columns of one size."""
     n = asked.sheet.usual.panels
     if len(verses) == 1:
@@ -168,7 +168,7 @@ def _compose_panels(asked: _Asked, verses: list[str]) -> Composition:
         verses = [verses[0][k : k + half] for k in range(0, len(verses[0]), half)]
     halves = ["".join(part) for part in np.array_split(np.array(verses, dtype=object), n)]
     longest = max(halves, key=len)
-    best = _choose_best(asked, [longest])
+    best = _best(asked, [longest])
     rows = len(best.lines[0])
     columns = [half[k : k + rows] for half in halves for k in range(0, len(longest), rows)]
     return Composition(tuple(filter(None, columns)), best.em_mm, best.gap, best.between, None)
@@ -183,11 +183,11 @@ def _ways_to_break(verses: Sequence[str]) -> Iterator[list[str]]:
         yield [whole[k : k + rows] for k in range(0, len(whole), rows)]
 
 
-def _rate_lines(asked: _Asked, lines: list[str]) -> tuple[float, Composition]:
+def _fitted(asked: _Asked, lines: list[str]) -> tuple[float, Composition]:
     """The composition of lines, and how good it is."""
     n, longest = len(lines), max(map(len, lines))
     shape = asked.sheet.usual.shape
-    fit = {"sector": _compose_fan, "disc": _compose_disc}.get(shape, _compose_rectangle)
+    fit = {"sector": _on_fan, "disc": _on_disc}.get(shape, _on_rectangle)
     em, gap, between, x, y = fit(asked, lines)
     worth = em
     if n > 1 and len(set(map(len, lines[:-1]))) == 1 and len(lines[-1]) == 1 and longest > 1:
@@ -207,12 +207,12 @@ def _signed_length(n: int) -> float:
     return n * (1.0 + _SIGNED_BETWEEN) + _TO_SEAL + _SEAL
 
 
-def _fit_gap(free: float, em: float, n: int, least: float, most: float) -> float:
+def _spread(free: float, em: float, n: int, least: float, most: float) -> float:
     """The distance, ems, that lets n characters fill a length, mm."""
     return least if n == 1 else min(max((free / em - n) / (n - 1), least), most)
 
 
-def _compose_rectangle(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
+def _on_rectangle(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
     sheet, columns, is_signed = asked.sheet, asked.columns, asked.is_signed
     width, height = sheet.size
     at_side = sheet.margin_mm
@@ -246,14 +246,14 @@ def _compose_rectangle(asked: _Asked, lines: list[str]) -> tuple[float, float, f
                 break
             em *= 0.98
     least = edge - 0.5 * bare * em
-    gap = _fit_gap(paper - least - taken, em, n, *asked.gap)
-    between = _fit_gap(along + bare * em, em, rows, *asked.between)
+    gap = _spread(paper - least - taken, em, n, *asked.gap)
+    between = _spread(along + bare * em, em, rows, *asked.between)
     beside = 0.5 * (paper - em * (n + (n - 1) * gap))  # on either side, to the edge
     x = min(max(0.0, taken - beside), max(0.0, beside - least))
     return (em, gap, between, x, 0.0) if columns else (em, gap, between, 0.0, x)
 
 
-def _compose_disc(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
+def _on_disc(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
     sheet, columns, is_signed = asked.sheet, asked.columns, asked.is_signed
     radius = 0.5 * sheet.width_mm - sheet.margin_mm
     n, rows = len(lines), max(map(len, lines))
@@ -266,7 +266,7 @@ def _compose_disc(asked: _Asked, lines: list[str]) -> tuple[float, float, float,
     return em, asked.gap[0], asked.between[0], 0.5 * signed * em, 0.0
 
 
-def _compose_fan(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
+def _on_fan(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
     sheet, columns, is_signed = asked.sheet, asked.columns, asked.is_signed
     fan = fan_of(sheet)
     margin = sheet.margin_mm
