@@ -47,6 +47,7 @@ from paint3d.calligraphy.photo.sheet import (
 )
 from paint3d.calligraphy.polyline import line_length, signed_area
 from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.colour.spectra import srgb_from_linear
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Message
 
@@ -213,7 +214,7 @@ def copy_sheet(
     if not asked.invert:  # the strokes of a rubbing are where no ink is
         pieces = _set_strengths(pieces, inks.black, ink.mask, per_unit, origin)
     page = Page(tuple(pieces), name, f"Photograph: {name}")
-    picture, (height, width) = _encode_srgb(sheet), sheet.shape[:2]
+    picture, (height, width) = srgb_from_linear(sheet), sheet.shape[:2]
     copied = CopiedSheet(
         page, (height, width), per_unit, origin, picture=picture, corners=corners, ink=ink,
         red=inks.red,
@@ -264,7 +265,7 @@ def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPict
     if not ((low > -room).all() and (high < np.array(there.size[::-1]) + room).all()):
         raise InputError("the strokes lie beside the sheet; expected them on it")
     corners = checked_corners(there.corners / scale, pixels.shape[:2])
-    picture = _encode_srgb(straightened(pixels, corners, there.size))
+    picture = srgb_from_linear(straightened(pixels, corners, there.size))
     return SheetPicture(
         page, there.size, there.per_unit, there.origin, picture=picture, corners=corners
     )
@@ -420,13 +421,6 @@ def _strength(share: float) -> float:
 def _fill_bands(stroke: GlyphStroke) -> list[GlyphStroke]:
     """A stroke, or the bands that fill one that is wider than the brush."""
     return fill_in_bands(stroke.polygon()) if is_wide(stroke) else [stroke]
-
-
-def _encode_srgb(sheet: NDArray[np.float32]) -> NDArray[np.uint8]:
-    light = np.clip(sheet, 0.0, 1.0)
-    curve = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
-    result: NDArray[np.uint8] = np.round(255.0 * curve).astype(np.uint8)
-    return result
 
 
 # ---- Room for the brush --------------------------------------------------------------------------
