@@ -34,19 +34,24 @@ def line_length(line: AnyArray) -> float:
 
 def points_at(line: AnyArray, distances: AnyArray) -> NDArray[np.float64]:
     """Points (K, 2) of a line at distances (K,) from its first one."""
-    way = arc_lengths(line)
-    return np.stack([np.interp(distances, way, line[:, k]) for k in range(2)], axis=1)
+    return _interpolate(line, arc_lengths(line), distances)
 
 
 def resample(line: AnyArray, step: float, least: int = 2) -> NDArray[np.float64]:
     """A line at even distances of about `step`, at `least` so many points."""
-    length = float(arc_lengths(line)[-1])
-    return resample_to(line, max(least, math.ceil(length / step) + 1) if length > 0.0 else least)
+    way = arc_lengths(line)
+    n = max(least, math.ceil(way[-1] / step) + 1) if way[-1] > 0.0 else least
+    return _interpolate(line, way, np.linspace(0.0, way[-1], n))
 
 
 def resample_to(line: AnyArray, n: int) -> NDArray[np.float64]:
     """A line as n points at even distances."""
-    return points_at(line, np.linspace(0.0, arc_lengths(line)[-1], n))
+    way = arc_lengths(line)
+    return _interpolate(line, way, np.linspace(0.0, way[-1], n))
+
+
+def _interpolate(line: AnyArray, way: AnyArray, distances: AnyArray) -> NDArray[np.float64]:
+    return np.stack([np.interp(distances, way, line[:, k]) for k in range(2)], axis=1)
 
 
 def signed_area(ring: AnyArray) -> float:
