@@ -193,7 +193,7 @@ class Snapshot:
         What lies on the object to be written after.
     strokes, undone_strokes : tuple of Stroke
         There; and to be done again, the next one first.
-    oldest_stroke, earliest_stroke : int
+    n_strokes_without_undo, fewest_strokes : int
         See `Document`.
     has_steps : bool
         Whether there is a step that undo takes back at once.
