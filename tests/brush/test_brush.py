@@ -237,7 +237,7 @@ def test_a_shorter_tip_segment_softens_the_tip(change):
     st.floats(0.8, 1.4),
 )
 def test_any_tip_within_the_ranges_bends(exponent, n, tip, rated_n, rated_tip):
-    table = BendingTable(exponent, chain=(n, tip / 35.0, rated_n, rated_tip / 35.0))
+    table = BendingTable(exponent, segmentation=(n, tip / 35.0, rated_n, rated_tip / 35.0))
     _, up, _ = table.spine
     height = np.sin(table.tilts)[:, None] * (1.0 - table.fractions)
     assert np.allclose(up[..., -1], height, atol=1e-9)
