@@ -80,7 +80,8 @@ def _entry(name: str) -> zipfile.ZipInfo:
     entry = zipfile.ZipInfo(name, EARLIEST)
     entry.external_attr = 0o644 << 16
     entry.compress_type = zipfile.ZIP_DEFLATED
-    entry._compresslevel = 1  # as `ZipFile` sets it, which does so for plain names alone
+    # as `ZipFile` sets it, which does so for plain names alone
+    entry._compresslevel = 1  # type: ignore[attr-defined]
     return entry
 
 
