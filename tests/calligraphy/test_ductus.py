@@ -343,6 +343,6 @@ def test_a_joined_form_counts_where_it_lies_far_nearer(
         )
 
     monkeypatch.setattr(decomposing, "_lay_forms", laid)
-    best = vars(decomposing)["_best_of"]([], forms)
+    best = vars(decomposing)["_best_form"]([], forms)
     assert isinstance(best.known, JoinedForm) == is_joined
     assert any(isinstance(form, JoinedForm) for form in asked) == (apart > 0.15)
