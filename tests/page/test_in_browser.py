@@ -71,9 +71,9 @@ def browser(address: str, tmp_path_factory: pytest.TempPathFactory) -> Iterator[
 def begin_with(browser: Browser, place: int) -> None:
     """Open an object, fresh; its ink stays where it is put."""
     browser.evaluate("window.confirm = () => true")
+    browser.evaluate("window.before = document.getElementById('object'); 0")
     choose(browser, "object", place)
-    browser.wait_for("!document.getElementById('message').hidden")
-    browser.wait_for(OPEN)
+    browser.wait_for(f"document.getElementById('object') !== window.before && {OPEN}")
     let_spread(browser, on=False)
 
 
@@ -380,7 +380,7 @@ def with_text(browser: Browser, words: dict[str, Any]) -> None:
     score = f"{head}\n{json.dumps({'do': 'lay_text', 'text': words})}\n"
     browser.evaluate(
         "fetch('contents.json').then(r => r.json())"
-        f".then(c => paint3d.open(c, c.objects[{SHEET}], undefined, {json.dumps(score)}))"
+        f".then(c => paint3d.open(c, c.objects[{SHEET}], {{ score: {json.dumps(score)} }}))"
     )
 
 
@@ -556,10 +556,8 @@ def test_an_object_of_ones_own_is_painted_on_and_is_there_again(
     browser.wait_for(f"paint3d.score().includes('pebble.ply') && {OPEN}")
     bare = settled(browser)
     choose(browser, "fineness", 4)
+    choose(browser, "up", 2)  # y, while the other is still awaited
     browser.wait_for("paint3d.score().includes('\"resolution_mm\":0.8') && " + OPEN)
-    choose(browser, "up", 2)  # y
-    browser.wait_for("document.getElementById('message').hidden === false")
-    browser.wait_for(OPEN)
     browser.stroke(wave(350.0, 330.0, 200.0), tiltX=20, tiltY=10)
     browser.stroke(wave(350.0, 400.0, 200.0))
     found, score = settled(browser), browser.evaluate("paint3d.score()")
@@ -578,6 +576,22 @@ def test_an_object_of_ones_own_is_painted_on_and_is_there_again(
     drop(browser, "a.score.jsonl", score.encode())
     browser.wait_for(f"paint3d.score().includes('pebble.ply') && {OPEN}")
     assert settled(browser) == found
+
+
+def test_what_is_opened_last_is_opened(browser: Browser) -> None:
+    begin_with(browser, SHEET)
+    browser.evaluate(
+        "window.Own = Worker; window.ended = 0; window.Worker = class extends Worker {"
+        " terminate() { window.ended++; super.terminate(); } }; 0"
+    )
+    ball = trimesh.creation.icosphere(subdivisions=4, radius=30.0)
+    drop(browser, "ball.ply", ball.export(file_type="ply"))
+    browser.wait_for("document.querySelector('#message:not([hidden]) #cancel')")
+    choose(browser, "object", BOWL)
+    browser.wait_for(f"window.ended === 1 && {OPEN}")
+    browser.evaluate("window.Worker = window.Own; 0")
+    browser.stroke(wave(380.0, 360.0, 200.0))
+    assert '"object":"bowl"' in browser.evaluate("paint3d.score()")
 
 
 def test_a_long_recording_is_cancelled_and_the_piece_in_hand_stays(browser: Browser) -> None:

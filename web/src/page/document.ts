@@ -39,6 +39,8 @@ const NO_STEPS = new Set(["select_layer", "set_visible", "rename_layer"]);
 
 type Line = Record<string, unknown>;
 
+const isMark = (line: Line): boolean => line.do === "begin_stroke" || line.do === "press_seal";
+
 interface Instant {
   texts: readonly LaidText[];
   painter: Kept;
@@ -121,7 +123,12 @@ export class Document {
 
   /** Whether there is anything to be lost. */
   get isPainted(): boolean {
-    return this.#lines.some((line) => line.do === "begin_stroke" || line.do === "press_seal");
+    return this.#lines.some(isMark);
+  }
+
+  /** How many strokes were begun and seals pressed, whether or not they were undone. */
+  get nMarks(): number {
+    return this.#lines.filter(isMark).length;
   }
 
   /** Take another brush; not during a stroke, which one brush paints. */

@@ -49,6 +49,17 @@ const [RECENTRE, DIP, UNDO, REDO] = [1, 2, 4, 8]; // its buttons, as bits
 const TAP_PX = 12; // that a tap may slip
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
+/** How a piece is opened. */
+interface Opening {
+  signal?: AbortSignal; // it is not wanted any more
+  material?: string;
+  score?: string; // that is painted again
+  own?: OwnObject | null; // that somebody has brought
+  isKept?: boolean; // whether the browser keeps it already
+  brush?: string;
+  ink?: string;
+}
+
 /** What the page cannot do without. */
 class Missing extends Error {
   constructor(
@@ -75,7 +86,9 @@ class Page {
   #tapping: PointerEvent | null = null; // that is down there
   #tapped: ((event: PointerEvent) => void) | null = null; // what is done where the object is tapped next
   #writes = false; // a planned hand
-  #opens = false; // a file
+  #opening: AbortController | null = null; // what is opened last, or was
+  #nMarks = 0; // of the painting in hand, when it was asked whether it may go
+  #asked: OwnFile | null = null; // that is being prepared
   readonly #layers = new LayerList((edit) => this.#restack(edit));
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
   readonly #stage: Stage;
@@ -176,44 +189,52 @@ class Page {
     const text = (await this.#keeper?.read().catch(() => "")) ?? "";
     if (/begin_stroke|press_seal/.test(text)) {
       const file = await this.#keeper?.readObject().catch(() => undefined);
-      if ((await this.#goOn(contents, text, file)) === "") return;
-      save(new Blob([text], { type: "application/jsonl" }), "kept.score.jsonl"); // what is not opened is not lost
+      try {
+        await this.#goOn(contents, text, this.#another(), { file, isKept: true });
+        return;
+      } catch (cause) {
+        console.warn("the piece cannot be opened:", cause);
+        save(new Blob([text], { type: "application/jsonl" }), "kept.score.jsonl"); // what is not opened is not lost
+      }
     }
-    await this.open(contents, contents.objects[0]);
+    await this.open(contents, contents.objects[0], { signal: this.#another() });
   }
 
-  /** Open what was recorded in a page. */
-  async #load(file: File): Promise<void> {
+  /** Give up what is being opened, for something else. */
+  #another(): AbortSignal {
+    this.#opening?.abort();
+    this.#opening = new AbortController();
+    this.#nMarks = this.#painting?.nMarks ?? 0;
+    this.#asked = null;
+    return this.#opening.signal;
+  }
+
+  /** Open something in place of the piece in hand, which stays where that is not wanted or cannot be. */
+  async #replace(name: string, work: (contents: Contents, signal: AbortSignal) => Promise<void>): Promise<void> {
     const { studio, painting } = this.#opened();
-    if (painting.isPainted && !confirm(say("leave"))) return;
-    const text = await file.text();
-    const own = this.#own;
-    const cause = await this.#goOn(studio.contents, text, headOf(text)?.mesh === own?.bundle.words.mesh ? own?.file : undefined);
-    if (cause !== "") {
-      if (this.#painting === painting) this.#message.hidden = true;
-      if (cause !== say("cancel")) this.#notice(say("notOpened", { name: file.name, cause }));
-      return;
+    if (painting.isPainted && !confirm(say("leave"))) return this.showBar();
+    const signal = this.#another();
+    try {
+      await work(studio.contents, signal);
+    } catch (cause) {
+      if (this.#opening?.signal !== signal) return; // something else is being opened
+      this.#asked = null;
+      if (this.#painting !== painting) return this.fail(cause);
+      const said = cause instanceof Cancelled ? "" : say("notOpened", { name, cause: await this.#causeOf(cause) });
+      this.#message.hidden = true;
+      this.showBar();
+      if (said === "") return;
+      console.warn("it cannot be opened:", cause);
+      this.#notice(said);
     }
-    this.#keeper?.begin(this.#isOnOwn ? (this.#own?.file ?? null) : null);
-    this.#keeper?.append(this.score());
   }
 
   /** Paint on a file's object. */
-  async #bring(file: OwnFile): Promise<void> {
-    const { studio, painting } = this.#opened();
-    if (painting.isPainted && !confirm(say("leave"))) return this.showBar();
-    try {
-      const own = await this.#prepared(studio.contents, file);
-      await this.open(studio.contents, own.about, undefined, "", own);
-      if (own.notes.length > 0) this.#notice(say("told", { name: file.name, notes: await this.#inWords(...own.notes) }));
-    } catch (cause) {
-      const said = cause instanceof Cancelled ? "" : say("notOpened", { name: file.name, cause: await this.#causeOf(cause) });
-      if (this.#painting === painting) this.#message.hidden = true;
-      this.showBar();
-      if (said === "") return;
-      console.warn("the object cannot be opened:", cause);
-      this.#notice(said);
-    }
+  async #bring(contents: Contents, file: OwnFile, signal: AbortSignal): Promise<void> {
+    this.#asked = file;
+    const own = await this.#prepared(contents, file, signal);
+    await this.open(contents, own.about, { signal, own });
+    if (own.notes.length > 0) this.#notice(say("told", { name: file.name, notes: await this.#inWords(...own.notes) }));
   }
 
   /** Notes on a file in the language that is spoken. */
@@ -225,23 +246,32 @@ class Page {
   }
 
   /** Have a file's object prepared, while it is said how far that is. */
-  #prepared(contents: Contents, file: OwnFile): Promise<OwnObject> {
-    const stop = new AbortController();
-    const progress = (share: number): void =>
-      showMessage(say("reading", { name: file.name, percent: Math.round(100 * share) }), () => stop.abort());
+  #prepared(contents: Contents, file: OwnFile, signal: AbortSignal): Promise<OwnObject> {
+    const progress = (share: number): void => {
+      if (!signal.aborted) this.#tellOf(say("reading", { name: file.name, percent: Math.round(100 * share) }));
+    };
     progress(0);
-    return bringObject(this.#fetch, contents, file, progress, stop.signal);
+    return bringObject(this.#fetch, contents, file, progress, signal);
+  }
+
+  /** Say how far it is with what is being opened, which may be cancelled. */
+  #tellOf(text: string): void {
+    showMessage(text, () => this.#opening?.abort());
   }
 
   /** Open what was dropped or chosen: a recording, or an object. */
   #openFile(file: File): void {
-    if (this.#opens) return;
-    this.#opens = true;
-    const opened = RECORDING.test(file.name)
-      ? this.#load(file)
-      : file.arrayBuffer().then((data) =>
-          this.#bring({ name: file.name, data: new Uint8Array(data), resolution: OWN_MM, wanted: {} }));
-    opened.catch((cause: unknown) => this.fail(cause)).finally(() => (this.#opens = false));
+    void this.#replace(file.name, async (contents, signal) => {
+      if (RECORDING.test(file.name)) {
+        const text = await file.text();
+        const own = this.#own;
+        const isOn = headOf(text)?.mesh === own?.bundle.words.mesh;
+        return this.#goOn(contents, text, signal, { file: isOn ? own?.file : undefined });
+      }
+      const data = new Uint8Array(await file.arrayBuffer());
+      if (signal.aborted) throw new Cancelled();
+      return this.#bring(contents, { name: file.name, data, resolution: OWN_MM, wanted: {} }, signal);
+    });
   }
 
   /** Say something below the picture for a while. */
@@ -252,36 +282,30 @@ class Page {
     setTimeout(() => hint.classList.add("done"), 8000);
   }
 
-  /** Open the piece that a score of a page says; "", or why it cannot be. */
-  async #goOn(contents: Contents, text: string, file?: OwnFile): Promise<string> {
-    const [brushBefore, inkBefore] = [this.#brush, this.#ink];
-    try {
-      const head = headOf(text);
-      if (head === null) return say("noHead");
-      const [object, mm] = [String(head.object), Number(head.resolution_mm)];
-      let about = contents.objects.find((one) => one.name === object && one.resolution === mm);
-      let own: OwnObject | null = null;
-      if (about === undefined && file !== undefined) {
-        own = this.#own?.file === file && file.resolution === mm ? this.#own
-          : await this.#prepared(contents, { ...file, resolution: mm });
-        about = { ...own.about, name: object };
-        own = { ...own, about };
-      }
-      if (about === undefined)
-        return SUFFIXES.some((suffix) => object.toLowerCase().endsWith(suffix))
-          ? say("ownFirst", { object }) : say("noObject", { object, mm });
-      const ink = inkOf(contents, head.ink);
-      if (ink === undefined) return say("noInk", { ink: JSON.stringify(head.ink) });
-      this.#brush = String(head.brush);
-      this.#ink = ink.name;
-      await this.open(contents, about, head.material as string | undefined, text, own);
-      return "";
-    } catch (cause) {
-      console.warn("the piece cannot be opened:", cause);
-      [this.#brush, this.#ink] = [brushBefore, inkBefore];
-      if (cause instanceof Cancelled) return say("cancel");
-      return this.#causeOf(cause);
+  /** Open the piece that a score of a page says, on a file where it is none of the folder's. */
+  async #goOn(
+    contents: Contents, text: string, signal: AbortSignal, { file, isKept }: { file?: OwnFile; isKept?: boolean },
+  ): Promise<void> {
+    const head = headOf(text);
+    if (head === null) throw new Missing("noHead");
+    const [object, mm] = [String(head.object), Number(head.resolution_mm)];
+    let about = contents.objects.find((one) => one.name === object && one.resolution === mm);
+    let own: OwnObject | null = null;
+    if (about === undefined && file !== undefined) {
+      own = this.#own?.file === file && file.resolution === mm ? this.#own
+        : await this.#prepared(contents, { ...file, resolution: mm }, signal);
+      about = { ...own.about, name: object };
+      own = { ...own, about };
     }
+    if (about === undefined) {
+      if (SUFFIXES.some((suffix) => object.toLowerCase().endsWith(suffix))) throw new Missing("ownFirst", { object });
+      throw new Missing("noObject", { object, mm });
+    }
+    const ink = inkOf(contents, head.ink);
+    if (ink === undefined) throw new Missing("noInk", { ink: JSON.stringify(head.ink) });
+    await this.open(contents, about, {
+      signal, score: text, own, isKept, material: head.material as string | undefined, brush: String(head.brush), ink: ink.name,
+    }); // prettier-ignore
   }
 
   /** Why something cannot be opened, in the language that is spoken. */
@@ -292,35 +316,50 @@ class Page {
     return cause instanceof Error ? cause.message : String(cause);
   }
 
-  /** Open an object, fresh. */
+  /** Open an object, fresh, or as a score leaves it; nothing is changed where `signal` comes before it is ready. */
   async open(
-    contents: Contents, about: Contents["objects"][number], material?: string, score = "", own: OwnObject | null = null,
+    contents: Contents, about: Contents["objects"][number],
+    { signal = this.#another(), material, score = "", own = null, isKept = false, brush = this.#brush, ink = this.#ink }: Opening = {},
   ): Promise<void> {
+    const goOn = (): void => {
+      if (signal.aborted) throw new Cancelled();
+    };
+    goOn();
     this.tell("loading", { name: named(about) });
     // its own kernels, whose memory goes with them
     const studio = await Studio.open(this.#fetch);
-    const painting = await Document.open(studio, about, this.#brush, this.#ink, material, own?.bundle);
+    goOn();
+    const painting = await Document.open(studio, about, brush, ink, material, own?.bundle);
     if (score !== "") {
       const isSame = headOf(score)?.mesh === painting.surface.object.words.mesh;
       if (!isSame) throw new Missing("otherMesh", { object: named(about) });
-      let isCancelled = false;
       let since = performance.now();
       await painting.repeat(studio, score, async (share) => {
         if (performance.now() - since < SLICE_MS) return;
-        showMessage(say("repeating", { percent: Math.round(100 * share) }), () => (isCancelled = true));
+        goOn();
+        this.#tellOf(say("repeating", { percent: Math.round(100 * share) }));
         await breathe();
-        if (isCancelled) throw new Cancelled();
+        goOn();
         since = performance.now();
       });
-      this.#brush = painting.painter.brush.name;
-      this.#ink = inkOf(contents, painting.dipped)?.name ?? this.#ink;
-      painting.takeNew(); // which is kept
-    } else {
-      this.#keeper?.begin(own?.file ?? null);
-      this.#keeper?.append(painting.takeNew());
+      brush = painting.painter.brush.name;
+      ink = inkOf(contents, painting.dipped)?.name ?? ink;
     }
     await breathe();
+    goOn();
+    // it was painted on while this was made ready
+    if (this.#painting !== null && this.#painting.nMarks > this.#nMarks && !confirm(say("leave"))) throw new Cancelled();
+    const text = painting.takeNew();
+    if (!isKept) {
+      this.#keeper?.begin(own?.file ?? null);
+      this.#keeper?.append(text);
+    }
+    this.#pointer = null; // a stroke of the piece before
+    this.#inStroke = false;
+    this.#events = [];
+    [this.#brush, this.#ink] = [brush, ink];
     if (own !== null) this.#own = own;
+    this.#asked = null;
     this.#studio = studio;
     this.#object = this.#objects.indexOf(about);
     this.#painting = painting;
@@ -347,7 +386,7 @@ class Page {
     this.#inStroke = false;
     if (painting.texts.length > 0) await this.#openCopybook();
     else this.#showTexts();
-    this.#message.hidden = true;
+    if (this.#opening?.signal === signal) this.#message.hidden = true; // else something else is being opened
     this.showBar();
     this.#showAll();
     this.draw();
@@ -445,19 +484,20 @@ class Page {
   #ownControls(): HTMLElement[] {
     if (!this.#isOnOwn || this.#own === null) return [];
     const { file } = this.#own;
-    const again = (change: Partial<OwnFile>): void => {
-      this.#bring({ ...file, ...change }).catch((cause: unknown) => this.fail(cause));
+    const again = (change: (before: OwnFile) => Partial<OwnFile>): void => {
+      const before = this.#asked?.data === file.data ? this.#asked : file; // what was chosen just now holds
+      void this.#replace(file.name, (contents, signal) => this.#bring(contents, { ...before, ...change(before) }, signal));
     };
     const told = say("asTold");
     const units = Object.keys(UNITS_MM) as Unit[];
     const chosen = <T>(all: readonly T[], one: T | undefined): number => (one === undefined ? 0 : all.indexOf(one) + 1);
     return [
       choice("unit", say("unit"), [told, ...units], chosen(units, file.wanted.unit),
-        (k) => again({ wanted: { ...file.wanted, unit: k === 0 ? undefined : units[k - 1] } })),
+        (k) => again(({ wanted }) => ({ wanted: { ...wanted, unit: k === 0 ? undefined : units[k - 1] } }))),
       choice("up", say("upAxis"), [told, ...UP_AXES], chosen(UP_AXES, file.wanted.up),
-        (k) => again({ wanted: { ...file.wanted, up: k === 0 ? undefined : UP_AXES[k - 1] } })),
+        (k) => again(({ wanted }) => ({ wanted: { ...wanted, up: k === 0 ? undefined : UP_AXES[k - 1] } }))),
       choice("fineness", say("fineness"), FINENESS_MM.map((mm) => say("size", { mm })), FINENESS_MM.indexOf(file.resolution),
-        (k) => again({ resolution: FINENESS_MM[k] })),
+        (k) => again(() => ({ resolution: FINENESS_MM[k] }))),
     ]; // prettier-ignore
   }
 
@@ -630,12 +670,10 @@ class Page {
   }
 
   #change(place: number, material?: string): void {
-    const painting = this.#painting;
     if (this.#studio === null) return;
-    if (painting?.isPainted === true && !confirm(say("leave"))) return this.showBar();
     const about = this.#objects[place];
     const own = about === this.#own?.about ? this.#own : null;
-    this.open(this.#studio.contents, about, material, "", own).catch((cause: unknown) => this.fail(cause));
+    void this.#replace(named(about), (contents, signal) => this.open(contents, about, { signal, material, own }));
   }
 
   #takeBrush(name: string): void {
