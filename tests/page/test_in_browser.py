@@ -629,6 +629,35 @@ def test_a_piece_is_there_again_when_the_page_is_opened_again(
     assert browser.evaluate("document.getElementById('brush').selectedIndex") == 1
 
 
+def test_a_piece_whose_file_cannot_be_kept_is_not_joined_to_the_one_before(
+    browser: Browser, address: str
+) -> None:
+    begin_with(browser, SHEET)
+    browser.stroke(wave(350.0, 330.0))
+    settled(browser)
+    browser.wait_for("paint3d.isKept")
+    browser.evaluate(
+        "window.add = IDBObjectStore.prototype.add; IDBObjectStore.prototype.add = function (one)"
+        " { if (this.name === 'object') this.transaction.abort();"
+        " else return add.call(this, one) }; 0"
+    )
+    ball = trimesh.creation.icosphere(subdivisions=2, radius=30.0)
+    drop(browser, "ball.ply", ball.export(file_type="ply"))
+    browser.wait_for(f"paint3d.score().includes('ball.ply') && {OPEN}")
+    browser.stroke(wave(380.0, 360.0, 100.0))
+    settled(browser)
+    assert not browser.evaluate("paint3d.isKept")
+    asked = "indexedDB.open('paint3d').onsuccess = e => { const db = e.target.result;"
+    asked += "db.transaction('score').objectStore('score').getAll().onsuccess = r => {"
+    rows = browser.evaluate(
+        f"new Promise(done => {{ {asked} db.close(); done(r.target.result); }} }} }})"
+    )
+    assert rows == []
+    browser.evaluate("IDBObjectStore.prototype.add = window.add; 0")
+    begin_with(browser, SHEET)
+    browser.wait_for("paint3d.isKept")
+
+
 def test_what_is_saved_other_programs_read(browser: Browser, tmp_path: Path) -> None:
     begin_with(browser, BOWL)
     browser.stroke(wave(380.0, 360.0, 200.0))

@@ -9,7 +9,7 @@ const OBJECT = "object"; // the file that it is painted on, where it is somebody
 export class Keeper {
   #last: Promise<void> = Promise.resolve();
   #waiting = 0;
-  isSound = true; // nothing was refused
+  isSound = true; // nothing of this piece was refused
 
   private constructor(private readonly database: IDBDatabase) {}
 
@@ -55,35 +55,49 @@ export class Keeper {
     });
   }
 
-  /** Keep another piece from now on, and the file that it is painted on. */
+  /** Keep another piece from now on, and the file that it is painted on; nothing at all where that is refused. */
   begin(file: OwnFile | null): void {
-    this.#write((store, objects) => {
+    const clear = (store: IDBObjectStore, objects: IDBObjectStore): void => {
       store.clear();
       objects.clear();
-      if (file !== null) objects.add(file);
+    };
+    this.#queue(async () => {
+      try {
+        await this.#write((store, objects) => {
+          clear(store, objects);
+          if (file !== null) objects.add(file);
+        });
+        this.isSound = true;
+      } catch (cause) {
+        await this.#write(clear); // the piece before is not to go on as this one
+        throw cause;
+      }
     });
   }
 
-  /** Keep a further part of the score. */
+  /** Keep a further part of the score, unless a part before it is missing. */
   append(text: string): void {
-    if (text !== "") this.#write((store) => store.add(text));
+    if (text === "") return;
+    this.#queue(async () => {
+      if (this.isSound) await this.#write((store) => store.add(text));
+    });
   }
 
-  #write(work: (store: IDBObjectStore, objects: IDBObjectStore) => void): void {
+  #queue(work: () => Promise<void>): void {
     this.#waiting++;
-    this.#last = this.#last.then(
-      () =>
-        new Promise((done) => {
-          const over = (isSound: boolean) => (): void => {
-            this.isSound &&= isSound;
-            this.#waiting--;
-            done();
-          };
-          const transaction = this.database.transaction([STORE, OBJECT], "readwrite");
-          work(transaction.objectStore(STORE), transaction.objectStore(OBJECT));
-          transaction.oncomplete = over(true);
-          transaction.onerror = transaction.onabort = over(false);
-        }),
-    );
+    const refused = (cause: unknown): void => {
+      this.isSound = false;
+      console.warn("what is painted cannot be kept in this browser:", cause);
+    };
+    this.#last = this.#last.then(work).catch(refused).finally(() => this.#waiting--);
+  }
+
+  #write(work: (store: IDBObjectStore, objects: IDBObjectStore) => void): Promise<void> {
+    return new Promise((done, failed) => {
+      const transaction = this.database.transaction([STORE, OBJECT], "readwrite");
+      transaction.oncomplete = () => done();
+      transaction.onabort = () => failed(transaction.error);
+      work(transaction.objectStore(STORE), transaction.objectStore(OBJECT));
+    });
   }
 }
