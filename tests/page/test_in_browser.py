@@ -519,6 +519,20 @@ def test_what_cannot_be_opened_says_why(browser: Browser) -> None:
     )
     assert "cup.obj cannot be opened: no workers." in said_of(name, text)
     browser.evaluate("window.Worker = window.Own; 0")
+    browser.evaluate(
+        "window.read = Blob.prototype.arrayBuffer;"
+        "window.size = Object.getOwnPropertyDescriptor(Blob.prototype, 'size');"
+        "Blob.prototype.arrayBuffer = () => Promise.reject(Error('it is a folder')); 0"
+    )
+    assert "cup.obj cannot be opened: it is a folder." in said_of(name, text)
+    browser.evaluate(
+        "Object.defineProperty(Blob.prototype, 'size', {get: () => 2 ** 29, configurable: true}); 0"
+    )
+    assert "it is larger than 268,435,456 bytes; expected less" in said_of(name, text)
+    browser.evaluate(
+        "Blob.prototype.arrayBuffer = window.read;"
+        "Object.defineProperty(Blob.prototype, 'size', window.size); 0"
+    )
     browser.evaluate("document.getElementById('language').click()")
     assert "无法打开 cup.obj：cup：1 个面都没有面积" in said_of(name, text)
     browser.evaluate("document.getElementById('language').click()")

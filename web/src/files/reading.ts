@@ -8,7 +8,7 @@ import { readPly } from "./formats/ply";
 import { readStl } from "./formats/stl";
 import { MeshError, noted, type Note } from "./mesh_error";
 import { narrowed, type RawMesh } from "./raw_mesh";
-import { SUFFIXES, UNITS_MM, type Up, type Wanted } from "./wanted";
+import { checkSize, SUFFIXES, UNITS_MM, type Up, type Wanted } from "./wanted";
 
 const READERS: Record<string, (data: Uint8Array) => RawMesh> = {
   ".glb": readGlb, ".obj": readObj, ".ply": readPly, ".stl": readStl,
@@ -18,7 +18,6 @@ const UNREAD: Record<string, string> = {
   ".usd": "USD", ".usda": "USD", ".usdc": "USD", ".usdz": "USD", ".wrl": "VRML", ".vrml": "VRML", ".x3d": "VRML",
   ".fbx": "FBX", ".blend": "a .blend file", ".xaml": "XAML", ".ctm": "OpenCTM", ".3ds": "3DS",
 }; // prettier-ignore
-const MOST_BYTES = 1 << 28;
 const MOST_TRIANGLES = 500_000; // that a page has memory for
 
 /** Rows of the rotation, of quarter turns, that brings an axis to z. */
@@ -38,7 +37,7 @@ export interface Reading {
 /** Read a file of this name. */
 export function readMesh(name: string, data: Uint8Array, wanted: Wanted = {}): Reading {
   const read = readerOf(name);
-  if (data.length > MOST_BYTES) throw new MeshError("it is larger than {most:,} bytes; expected less", { most: MOST_BYTES });
+  checkSize(data.length);
   if (data.length === 0) throw new MeshError("the file is empty");
   const raw = structured(() => read(narrowed(data)));
   check(raw);

@@ -24,7 +24,7 @@ import { glbOf, plyOf } from "./export";
 import { Hand, type PointerInput } from "./hand";
 import { Keeper } from "./keeper";
 import { MeshError, type Note } from "../files/mesh_error";
-import { SUFFIXES, UNITS_MM, UP_AXES, type Unit } from "../files/wanted";
+import { checkSize, SUFFIXES, UNITS_MM, UP_AXES, type Unit } from "../files/wanted";
 import { bringObject, Cancelled, type OwnFile, type OwnObject } from "./own_object";
 import { Stage, StageError } from "./stage";
 import { choose, language, named, say, sayNotes, type Texts } from "./texts";
@@ -268,6 +268,7 @@ class Page {
         const isOn = headOf(text)?.mesh === own?.bundle.words.mesh;
         return this.#goOn(contents, text, signal, { file: isOn ? own?.file : undefined });
       }
+      checkSize(file.size);
       const data = new Uint8Array(await file.arrayBuffer());
       if (signal.aborted) throw new Cancelled();
       return this.#bring(contents, { name: file.name, data, resolution: OWN_MM, wanted: {} }, signal);
