@@ -228,10 +228,14 @@ def in_node(files: dict[str, Path], tmp_path_factory: pytest.TempPathFactory) ->
         score_on(name, loaded(name, files[name])[0], score)
         words = {"own": os.fspath(files[name]), "wanted": WANTED.get(name, {})}
         asked.append((f"{name}, painted", words | {"score": os.fspath(score)}))
+    drum, spaced = files["drum.stl"], folder / "blank lines.stl"
+    first, _, others = drum.read_text().partition("\n")
+    spaced.write_text(first + "\r\n \t\n" * 300_000 + others)
+    asked.append((spaced.name, {"own": os.fspath(spaced), "wanted": WANTED[drum.name]}))
     script = replay_script(tmp_path_factory.mktemp("replay"))
     done = subprocess.run(
         ["node", script, os.fspath(folder), *(json.dumps(words) for _, words in asked)],
-        capture_output=True, text=True, check=False,
+        capture_output=True, text=True, check=False, timeout=300,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     results = map(json.loads, done.stdout.splitlines())
@@ -255,6 +259,12 @@ def test_a_file_is_read_as_on_the_desktop(
         assert found[key] == ours, key
     assert found["digest"] == digest_of(mesh)
     assert found["notes"] == notes
+
+
+def test_blank_lines_are_passed_over_in_a_time_that_grows_as_they_do(
+    in_node: dict[str, Any],
+) -> None:
+    assert in_node["blank lines.stl"]["vertices"] == in_node["drum.stl"]["vertices"]
 
 
 @pytest.mark.parametrize("name", FILES)

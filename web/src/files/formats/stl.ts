@@ -5,10 +5,10 @@ import { checkCount, FACE_COLOURS, latin, leftOut, parseNumbers, rawMesh, threes
 
 const HEADER = 84;
 const FACET = 50; // bytes
-const VERTEX = /^[ \t\n\r\f\v]*vertex[ \t\n\r\f\v]+([^ \t\n\r\f\v]+[ \t\n\r\f\v]+[^ \t\n\r\f\v]+[ \t\n\r\f\v]+[^ \t\n\r\f\v]+)/gim;
-const FACETS = /^[ \t\n\r\f\v]*facet\b/gim;
-const ENDS = /^[ \t\n\r\f\v]*endfacet\b/gim;
-const COLOURS = /^[ \t\n\r\f\v]*colou?r[ \t\n\r\f\v]+[\d.]/im;
+const VERTEX = /^[ \t\f\v]*vertex[ \t\n\r\f\v]+([^ \t\n\r\f\v]+[ \t\n\r\f\v]+[^ \t\n\r\f\v]+[ \t\n\r\f\v]+[^ \t\n\r\f\v]+)/gim;
+const FACETS = /^[ \t\f\v]*facet\b/gim;
+const ENDS = /^[ \t\f\v]*endfacet\b/gim;
+const COLOURS = /^[ \t\f\v]*colou?r[ \t\n\r\f\v]+[\d.]/im;
 
 /** Read an STL file: binary where its length fits the count at byte 80, whatever its header says. */
 export function readStl(data: Uint8Array): RawMesh {
