@@ -1,6 +1,8 @@
+import { readFileSync } from "node:fs";
 import { defineConfig } from "vite";
 
-const NOBLE = "/*! Holds noble-hashes: MIT License, (c) 2022 Paul Miller (paulmillr.com) */";
+const LICENCE = readFileSync(new URL("node_modules/@noble/hashes/LICENSE", import.meta.url), "utf-8");
+const NOBLE = `/*! Holds noble-hashes:\n${LICENCE}\n*/`;
 
 /** `npm run build`: the page, where `paint3d page build` takes it from. */
 export default defineConfig({

@@ -144,6 +144,13 @@ def test_a_first_visit_loads_little_beside_the_object(folder: Path) -> None:
     assert sum(sizes.values()) < 1_500_000
 
 
+def test_the_worker_has_the_licence_of_what_it_holds(folder: Path) -> None:
+    (worker,) = (folder / "assets").glob("object_worker-*.js")
+    script = worker.read_text("utf-8")
+    assert "Copyright (c) 2022 Paul Miller" in script
+    assert "this permission notice shall be included in" in script
+
+
 def test_what_a_pen_paints_on_a_sheet_the_desktop_paints_to_the_bit(
     browser: Browser, tmp_path: Path
 ) -> None:
