@@ -162,6 +162,8 @@ BROKEN: dict[str, Callable[[Path], None]] = {
     "first.glb": text("glTF" + struct.pack("<II", 1, 12).decode("latin-1")),
     "car.fbx": text("Kaydara"),
     "damaged.glb": damaged_glb,
+    "inherited.ply": text(PLY_HEAD.replace("float y", "constructor y") + "end_header\n"),
+    "inherited format.ply": text(PLY_HEAD.replace("ascii", "toString") + "end_header\n"),
     "thing.abc": text("?"), "nothing": text("?"),
 }  # fmt: skip
 

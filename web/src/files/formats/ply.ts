@@ -5,13 +5,13 @@ import { colourCodes } from "../colours";
 import { MeshError, noted, type Note } from "../mesh_error";
 import { checkCount, FACE_COLOURS, indexArray, latin, leftOut, parseNumbers, rawMesh, wordsOf, type RawMesh } from "../raw_mesh";
 
-const TYPES: Record<string, Kind> = {
+const TYPES = new Map<string, Kind>(Object.entries({
   char: "i1", int8: "i1", uchar: "u1", uint8: "u1", short: "i2", int16: "i2", ushort: "u2", uint16: "u2",
   int: "i4", int32: "i4", uint: "u4", uint32: "u4", float: "f4", float32: "f4", double: "f8", float64: "f8",
-}; // prettier-ignore
-const FORMATS: Record<string, "ascii" | "little" | "big"> = {
-  ascii: "ascii", binary_little_endian: "little", binary_big_endian: "big",
-}; // prettier-ignore
+})); // prettier-ignore
+const FORMATS = new Map<string, "ascii" | "little" | "big">([
+  ["ascii", "ascii"], ["binary_little_endian", "little"], ["binary_big_endian", "big"],
+]); // prettier-ignore
 const KEYWORDS = ["format", "element", "property", "comment", "obj_info"];
 const MOST_HEADER = 1 << 20;
 const WANTED = ["vertex", "face", "tristrips"];
@@ -101,20 +101,22 @@ function readHeader(data: Uint8Array): {
   const [comments, unknown]: [string[], string[]] = [[], []];
   for (const line of start.slice(0, end).split(/\r\n|\r|\n/).slice(1)) {
     const words = wordsOf(line);
-    const odd = (): never => {
-      throw new MeshError("the header cannot be understood near {cause}", { cause: words.join(" ").slice(0, 60) });
+    const odd = (cause = words.join(" ").slice(0, 60)): never => {
+      throw new MeshError("the header cannot be understood near {cause}", { cause });
     };
+    const known = <T>(all: Map<string, T>, word?: string): T =>
+      all.get(word ?? "") ?? odd(word === undefined ? undefined : `'${word.slice(0, 60)}'`);
     if (words.length === 0 || words[0] === "obj_info") continue;
     if (words[0] === "comment") comments.push(line.trim().slice("comment".length).trim());
-    else if (words[0] === "format") order = FORMATS[words[1]] ?? odd();
+    else if (words[0] === "format") order = known(FORMATS, words[1]);
     else if (words[0] === "element") {
       const count = /^[+-]?\d+$/.test(words[2] ?? "") ? Number(words[2]) : odd();
       elements.push({ name: words[1], count, properties: [], columns: new Map() });
     } else if (words[0] === "property" && elements.length > 0) {
       const isList = words[1] === "list";
-      const [kind, count] = isList ? [TYPES[words[3]], TYPES[words[2]]] : [TYPES[words[1]], null];
+      const [kind, count] = isList ? [known(TYPES, words[3]), known(TYPES, words[2])] : [known(TYPES, words[1]), null];
       const name = isList ? words[4] : words[2];
-      if (kind === undefined || count === undefined || name === undefined) odd();
+      if (name === undefined) return odd();
       elements[elements.length - 1].properties.push({ name, kind, count });
     } else if (elements.length > 0 || KEYWORDS.some((keyword) => isNearly(words[0].toLowerCase(), keyword)))
       throw new MeshError("the header has an unknown line {words!r}", { words: words.join(" ").slice(0, 40) });
