@@ -143,6 +143,34 @@ def damaged_glb(path: Path) -> None:
     path.write_bytes(sizes + document)
 
 
+def triangle_glb(**changes: dict[str, Any]) -> Callable[[Path], None]:
+    """One triangle; `changes` are those of its rows, a part that is None is left out."""
+    rows = {
+        "accessors": {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"},
+        "bufferViews": {"buffer": 0, "byteOffset": 0, "byteLength": 36, "byteStride": 12},
+        "buffers": {"byteLength": 36},
+    }
+
+    def write(path: Path) -> None:
+        document: dict[str, Any] = {
+            "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        }  # fmt: skip
+        for name, row in rows.items():
+            changed = row | changes.get(name, {})
+            document[name] = [{key: one for key, one in changed.items() if one is not None}]
+        words = json.dumps(document).encode()
+        words += b" " * (-len(words) % 4)
+        numbers = np.float32([[0, 0, 0], [20, 0, 0], [0, 20, 0]]).tobytes()
+        head = struct.pack("<4sII", b"glTF", 2, 28 + len(words) + len(numbers))
+        json_head = struct.pack("<II", len(words), 0x4E4F534A)
+        path.write_bytes(
+            head + json_head + words + struct.pack("<II", len(numbers), 0x004E4942) + numbers
+        )
+
+    return write
+
+
 TRIANGLE = "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 PLY_HEAD = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"
 BROKEN: dict[str, Callable[[Path], None]] = {
@@ -162,6 +190,15 @@ BROKEN: dict[str, Callable[[Path], None]] = {
     "first.glb": text("glTF" + struct.pack("<II", 1, 12).decode("latin-1")),
     "car.fbx": text("Kaydara"),
     "damaged.glb": damaged_glb,
+    "no length.glb": triangle_glb(bufferViews={"byteLength": None}),
+    "length in words.glb": triangle_glb(bufferViews={"byteLength": "36"}),
+    "negative.glb": triangle_glb(bufferViews={"byteOffset": -4}),
+    "fraction.glb": triangle_glb(accessors={"count": 2.5}),
+    "stride.glb": triangle_glb(bufferViews={"byteStride": -12}),
+    "no count.glb": triangle_glb(accessors={"count": None}),
+    "no buffer.glb": triangle_glb(bufferViews={"buffer": None}),
+    "no end.glb": triangle_glb(buffers={"byteLength": None}),
+    "inherited.glb": triangle_glb(accessors={"type": "constructor"}),
     "inherited.ply": text(PLY_HEAD.replace("float y", "constructor y") + "end_header\n"),
     "inherited format.ply": text(PLY_HEAD.replace("ascii", "toString") + "end_header\n"),
     "thing.abc": text("?"), "nothing": text("?"),

@@ -21,6 +21,11 @@ export class MeshError extends Error {
   }
 }
 
+/** That a file's structure is damaged, and how. */
+export function damaged(cause: Note): MeshError {
+  return new MeshError("its structure is damaged: {cause}", { cause });
+}
+
 /** A note in words; `translate` gives a text in the language that is spoken. */
 export function filled(
   { text, fields, plural }: Note, translate: (text: string) => string | undefined = () => undefined,

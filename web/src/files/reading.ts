@@ -6,7 +6,7 @@ import { readGlb } from "./formats/glb";
 import { readObj } from "./formats/obj";
 import { readPly } from "./formats/ply";
 import { readStl } from "./formats/stl";
-import { MeshError, noted, type Note } from "./mesh_error";
+import { damaged, MeshError, noted, type Note } from "./mesh_error";
 import { narrowed, type RawMesh } from "./raw_mesh";
 import { checkSize, SUFFIXES, UNITS_MM, type Up, type Wanted } from "./wanted";
 
@@ -79,10 +79,11 @@ function structured<T>(read: () => T): T {
   try {
     return read();
   } catch (cause) {
-    if (cause instanceof MeshError || cause instanceof RangeError) throw cause; // the latter: no memory
-    throw new MeshError("its structure is damaged: {cause}", {
-      cause: noted("a part of it is of another kind than is expected there"),
-    }); // prettier-ignore
+    if (cause instanceof MeshError) throw cause;
+    if (!(cause instanceof RangeError)) throw damaged(noted("a part of it is of another kind than is expected there"));
+    if (/call stack/i.test(cause.message)) throw damaged(noted("its parts are nested too deeply"));
+    if (/memory|alloc|array (?:buffer )?(?:length|size)/i.test(cause.message)) throw cause; // there is not enough of it
+    throw damaged(noted("it refers to something that it does not have")); // beyond the end of an array
   }
 }
 
@@ -112,7 +113,7 @@ function check({ vertices, corners, sizes }: RawMesh): void {
       Number.isFinite(x) ? String(Number(x.toPrecision(6))) : String(x).toLowerCase().replace("infinity", "inf"));
     throw new MeshError("vertex {first} is ({where}); expected finite numbers", { first, where: where.join(", ") });
   }
-  const outside = corners.findIndex((v) => v < 0 || v >= n);
+  const outside = corners.findIndex((v) => !(v >= 0 && v < n));
   if (outside < 0) return;
   let face = 0;
   for (let end = sizes[0]; end <= outside; end += sizes[face]) face++;

@@ -1,27 +1,33 @@
 /** Binary glTF 2.0: the default scene as one mesh, with its nodes' transforms: `paint3d/files/formats/gltf.py`. */
 
 import { colourShares, srgbFromLinear } from "../colours";
-import { MeshError, noted, type Note } from "../mesh_error";
+import { damaged, MeshError, noted, type Note } from "../mesh_error";
 import { checkCount, leftOut, rawMesh, threes, type RawMesh } from "../raw_mesh";
 
 type Row = Record<string, unknown>;
 type Matrix = number[][]; // 4 x 4
 
 const [JSON_CHUNK, BIN_CHUNK] = [0x4e4f534a, 0x004e4942];
-const COMPONENTS: Record<number, { kind: "i1" | "u1" | "i2" | "u2" | "u4" | "f4"; bytes: number; most: number }> = {
-  5120: { kind: "i1", bytes: 1, most: 127 },
-  5121: { kind: "u1", bytes: 1, most: 255 },
-  5122: { kind: "i2", bytes: 2, most: 32767 },
-  5123: { kind: "u2", bytes: 2, most: 65535 },
-  5125: { kind: "u4", bytes: 4, most: 4294967295 },
-  5126: { kind: "f4", bytes: 4, most: 1 },
-};
-const WIDTHS: Record<string, number> = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
+interface Component {
+  kind: "i1" | "u1" | "i2" | "u2" | "u4" | "f4";
+  bytes: number;
+  most: number;
+}
+
+const COMPONENTS = new Map<unknown, Component>([
+  [5120, { kind: "i1", bytes: 1, most: 127 }],
+  [5121, { kind: "u1", bytes: 1, most: 255 }],
+  [5122, { kind: "i2", bytes: 2, most: 32767 }],
+  [5123, { kind: "u2", bytes: 2, most: 65535 }],
+  [5125, { kind: "u4", bytes: 4, most: 4294967295 }],
+  [5126, { kind: "f4", bytes: 4, most: 1 }],
+]);
+const WIDTHS = new Map<unknown, number>([["SCALAR", 1], ["VEC2", 2], ["VEC3", 3], ["VEC4", 4], ["MAT4", 16]]);
 const MOST_ZEROS = 1 << 26;
 const METRE_MM = 1000.0;
 const STEPS = "_POSITION_STEPS"; // what metres in float32 lose of millimetres, in the desktop's own files
 const [TRIANGLES, STRIP, FAN] = [4, 5, 6];
-const THIN: Record<number, Note> = { 0: noted("points"), 1: noted("lines"), 2: noted("lines"), 3: noted("lines") };
+const THIN = new Map<unknown, Note>([[0, noted("points")], [1, noted("lines")], [2, noted("lines")], [3, noted("lines")]]);
 const [DRACO, MESHOPT] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
 const [HIDDEN, INSTANCES] = ["KHR_node_visibility", "EXT_mesh_gpu_instancing"];
 const [LIGHTS, GLOSSY] = ["KHR_lights_punctual", "KHR_materials_pbrSpecularGlossiness"];
@@ -73,6 +79,28 @@ function listed(value: unknown): unknown[] {
 }
 
 // ---- Kinds ------------------------------------------------------------------------------------
+
+/** A part that must be there. */
+function required(row: Row, name: string): unknown {
+  if (!(name in row)) throw damaged(noted("it lacks {part}", { part: `'${name}'` }));
+  return row[name];
+}
+
+/** An integer, which must be there unless there is one for a row without it. */
+function integer(row: Row, name: string, usual?: number): number {
+  const value = usual !== undefined && !(name in row) ? usual : required(row, name);
+  if (!Number.isSafeInteger(value)) throw damaged(noted("a part of it is of another kind than is expected there"));
+  return value as number;
+}
+
+/** What a part stands for. */
+function known<T>(all: Map<unknown, T>, row: Row, name: string): T {
+  const value = required(row, name);
+  const meant = all.get(value);
+  if (meant === undefined)
+    throw damaged(noted("it lacks {part}", { part: (typeof value === "string" ? `'${value}'` : String(value)).slice(0, 60) }));
+  return meant;
+}
 
 type PartKind = "object" | "list" | "string";
 const KINDS: Record<string, Note | string> = {
@@ -185,23 +213,23 @@ class File {
   /** An accessor's values, as floats where they are normalised. */
   numbers(index: unknown): Values {
     const accessor = this.item("accessors", index);
-    const component = COMPONENTS[accessor.componentType as number];
-    const width = WIDTHS[accessor.type as string];
-    const count = accessor.count as number;
-    if (component === undefined || width === undefined || !Number.isInteger(count))
-      throw new MeshError("its structure is damaged: {cause}", { cause: noted("a part of it is of another kind than is expected there") });
+    const component = known(COMPONENTS, accessor, "componentType");
+    const width = known(WIDTHS, accessor, "type");
+    const count = integer(accessor, "count");
     let rows: Float64Array;
     if (accessor.bufferView === undefined) {
       checkCount(count, 1, MOST_ZEROS, noted("elements in an accessor"));
       rows = new Float64Array(count * width);
-    } else rows = this.#view(accessor.bufferView as number, (accessor.byteOffset as number | undefined) ?? 0, component, width, count);
+    } else rows = this.#view(accessor, component, width, count);
     const sparse = accessor.sparse as Row | undefined;
     if (sparse !== undefined) {
-      const [where, what, n] = [sparse.indices as Row, sparse.values as Row, sparse.count as number];
-      const ids = this.#view(where.bufferView as number, (where.byteOffset as number | undefined) ?? 0, COMPONENTS[where.componentType as number], 1, n);
+      const [where, what] = [required(sparse, "indices") as Row, required(sparse, "values") as Row];
+      const n = integer(sparse, "count");
+      const ids = this.#view(where, known(COMPONENTS, where, "componentType"), 1, n);
+      if (!ids.every((id) => Number.isInteger(id) && id >= 0)) throw damaged(noted("it refers to something that it does not have"));
       const most = ids.reduce((a, b) => Math.max(a, b), -1);
       if (most >= count) throw new MeshError("a sparse accessor replaces element {most} of {n}", { most, n: count });
-      const values = this.#view(what.bufferView as number, (what.byteOffset as number | undefined) ?? 0, component, width, n);
+      const values = this.#view(what, component, width, n);
       ids.forEach((id, k) => rows.set(values.subarray(width * k, width * (k + 1)), width * id));
     }
     if (accessor.normalized === true && component.kind !== "f4")
@@ -209,14 +237,17 @@ class File {
     return { rows, width, kind: component.kind };
   }
 
-  #view(index: number, start: number, { kind, bytes }: (typeof COMPONENTS)[number], width: number, count: number): Float64Array {
+  /** Values (count, width) of the buffer view that an accessor, or a part of a sparse one, refers to. */
+  #view(accessor: Row, { kind, bytes }: Component, width: number, count: number): Float64Array {
+    const index = required(accessor, "bufferView");
+    const start = integer(accessor, "byteOffset", 0);
     const view = this.item("bufferViews", index);
     if ((view.extensions as Row | undefined)?.[MESHOPT] !== undefined)
       throw new MeshError("it is compressed with meshopt, which needs meshoptimizer; expected an uncompressed file");
     const size = bytes * width;
-    const stride = (view.byteStride as number | undefined) || size;
-    const [begin, length] = [(view.byteOffset as number | undefined) ?? 0, view.byteLength as number];
-    const data = this.#buffer(view.buffer);
+    const stride = integer(view, "byteStride", 0) || size;
+    const [begin, length] = [integer(view, "byteOffset", 0), integer(view, "byteLength")];
+    const data = this.#buffer(required(view, "buffer"));
     if (Math.min(begin, start, length, count) < 0 || stride < size || begin + length > data.length)
       throw new MeshError("bufferViews[{index}] does not fit into its buffer", { index });
     if (count > 0 && start + (count - 1) * stride + size > length)
@@ -250,9 +281,10 @@ class File {
       }
     }
     if (data === null) throw new MeshError("a buffer has no data");
-    if (data.length < (buffer.byteLength as number))
+    const bytelength = integer(buffer, "byteLength");
+    if (data.length < bytelength)
       throw new MeshError("buffers[{index}] has {n} of {bytelength} bytes; the file is cut short", {
-        index, n: data.length, bytelength: buffer.byteLength,
+        index, n: data.length, bytelength,
       }); // prettier-ignore
     return data;
   }
@@ -270,7 +302,7 @@ function leftBeside(file: File): Note[] {
   for (const mesh of listed(document.meshes) as Row[])
     for (const one of listed(mesh.primitives) as Row[]) {
       if ("targets" in one) dropped.push(noted("morph targets"));
-      const thin = THIN[(one.mode as number | undefined) ?? TRIANGLES];
+      const thin = THIN.get(one.mode);
       if (thin !== undefined) dropped.push(thin);
     }
   return dropped;
