@@ -154,7 +154,7 @@ class ObjectDialog(QtWidgets.QDialog):
         agree.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setFocus()
 
     def _likely_axis(self, reading: Reading, is_open: bool) -> str | None:
-        """The file's axis that is likely up; None where it is known and nothing speaks against it."""
+        """The file's axis that is likely up; None where it is known and the shape agrees."""
         guess = self._guess
         if guess is None:
             if is_open or not reading.is_oddly_up:
