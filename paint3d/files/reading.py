@@ -67,8 +67,8 @@ DRAWINGS = {".svg": "SVG", ".dxf": "DXF"}
 RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
 BESIDE = (".gltf", ".glb", ".obj", ".ply", ".dae", ".zae")  # may refer to others in their folder
 WANT_TEXTURE = (".3mf", ".stl", ".off")
-# Hold all that they say of colours, .stl and .off those of faces, and refer to no other file: their
-# readers take no folder, only whether colours are wanted.
+# Formats that hold their colours themselves (.stl and .off only those of faces) and refer to no
+# other file: their readers take no folder, only whether colours are wanted.
 MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 

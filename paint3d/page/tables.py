@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.bending import FARTHEST_DRAG, build_tuft
+from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.brush.spec import build_curves
+from paint3d.brush.spec import LARGEST_DRAG_FRACTION, build_curves
 from paint3d.brush_engine.bristles.state import make_hairs
 from paint3d.brush_engine.coverage import ROWS, WORK_ROWS
 from paint3d.brush_engine.dry_contact import bundle_noise, contact_noise
@@ -140,7 +140,7 @@ def brush_table(name: str, chinese: str) -> Table:
         "chinese": chinese,
         "length_mm": brush.length_mm,
         "rubbing": brush.spread_by_friction * brush.friction,
-        "farthest_drag": FARTHEST_DRAG,
+        "farthest_drag": LARGEST_DRAG_FRACTION,
         "tuft": {key: value for key, value in tuft.items() if isinstance(value, float)},
     }
     arrays |= {f"curves.{key}": value for key, value in curves.items()}

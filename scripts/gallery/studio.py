@@ -59,7 +59,7 @@ def follow(window: StudioWindow, line: np.ndarray) -> None:
     mouse(window, KIND.MouseButtonPress, *places[0], down=True)
     for place in places:
         mouse(window, KIND.MouseMove, *place, down=True)
-        live(0.02)
+        live(0.05)
     mouse(window, KIND.MouseButtonRelease, *places[-1])
     window.stage.paint_thread.post(lambda document: None).result()
     live(0.5)
@@ -130,7 +130,7 @@ def copybook(app: QtWidgets.QApplication, path: Path) -> None:
     ghosts = window.panels.copybook.copybook.ghosts
     lines = [*ghosts[0].medians, *ghosts[1].medians[:3]]
     for line in lines:
-        follow(window, line[:: max(1, len(line) // 16)])
+        follow(window, line[:: max(1, len(line) // 24)])
     live(1.0)
     keep(window, path)
 

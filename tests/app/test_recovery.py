@@ -263,7 +263,7 @@ def test_what_was_undone_and_is_in_a_file_is_not_offered(tmp_path):
 def test_a_sitting_without_its_first_base_is_not_offered(tmp_path, monkeypatch, killed):
     """As when a painting is brought back while the disk is full, or by another crash."""
     document = small_plane()
-    document.differ_from_saved()
+    document.mark_modified()
     left = tmp_path / "left"
 
     def full(path):

@@ -186,7 +186,7 @@ def test_strokes_without_steps_are_painted_again_underneath(tmp_path):
     document = painting_on_layers()
     document.let_time_pass(0.4)  # which no stroke repeats
     opened = without_steps(document, tmp_path / "a.p3d")
-    assert (opened.oldest_stroke, opened.earliest_stroke, opened.can_undo) == (3, 0, True)
+    assert (opened.n_strokes_without_undo, opened.fewest_strokes, opened.can_undo) == (3, 0, True)
     paint(opened, (-20, 12), (20, 12))
     then, layers = everything(opened), opened.layers
     for upto in (3, 2, 1, 0):
@@ -204,7 +204,7 @@ def test_strokes_without_steps_are_painted_again_underneath(tmp_path):
     assert opened.layers == layers
     close(opened)
     again = reopened(opened, tmp_path / "b.p3d")
-    assert again.oldest_stroke == 0
+    assert again.n_strokes_without_undo == 0
     for upto in (1, 4, 0, 2):
         for one in (again, opened):
             one.replay_history(upto)
@@ -254,7 +254,7 @@ def test_painting_again_can_be_stopped(tmp_path):
     opened.progress = None
     unchanged(opened, then)
     assert opened.strokes == strokes
-    assert (opened.oldest_stroke, opened.can_redo) == (3, True)
+    assert (opened.n_strokes_without_undo, opened.can_redo) == (3, True)
     opened.redo()
     opened.replay_history(0)
     assert not opened.surface.painted.any()
@@ -269,8 +269,8 @@ def test_strokes_over_a_recording_are_not_painted_again(tmp_path):
     save_session(session, tmp_path / "a.p3d")
     opened = Document.open(tmp_path / "a.p3d")
     assert not opened.can_undo
-    assert opened.earliest_stroke == 3
-    with pytest.raises(InputError, match="stroke 1 of the history; expected 3 to 3"):
+    assert opened.fewest_strokes == 3
+    with pytest.raises(InputError, match="cannot go to stroke 1; expected 3 to 3"):
         opened.replay_history(1)
     with pytest.raises(InputError, match="lie over a recording"):
         opened.recall_strokes()
@@ -283,7 +283,7 @@ def test_only_the_nearest_steps_are_kept_where_there_are_too_many(tmp_path, monk
     document.undo()
     monkeypatch.setattr(document_module, "MOST_BYTES", 6_000)
     opened = reopened(document, tmp_path / "a.p3d")
-    assert 0 < opened.oldest_stroke < 4
+    assert 0 < opened.n_strokes_without_undo < 4
     assert not opened.can_redo  # what was undone is farther
     same_vertices(opened.surface, document.surface)
     for one in (document, opened):

@@ -126,7 +126,7 @@ def accept(dialog) -> None:
 
 def test_a_new_painting_is_proposed_under_a_name_that_is_free(window, tmp_path: Path) -> None:
     """A pen alone types no other one, and what was saved before is not to be replaced."""
-    window.document.belong_to(None)
+    window.document.set_file(None)
     window.targets.folder = tmp_path
     name = said_name(window)
     for path in (tmp_path / f"{name}.p3d", tmp_path / f"{name} 2.p3d"):

@@ -11,10 +11,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.bench.kernels.standing_bristles import bend_often
-from paint3d.brush.bending import GREATEST_FRACTION, build_tuft
+from paint3d.brush.bending import build_tuft
 from paint3d.brush.bristles import MEASURED, build_bristles, hair_places
 from paint3d.brush.presets import load_brush
-from paint3d.brush.spec import BristleSpec
+from paint3d.brush.spec import DEEPEST_PRESS, BristleSpec
 from paint3d.brush_engine.bristles import bend as bt
 from paint3d.errors import BrushError
 from tests.support.examples import ALL, examples
@@ -181,7 +181,7 @@ def test_the_measured_table_goes_through_what_was_measured():
     spec = load_brush("full")
     bristles = build_bristles(spec, BristleSpec(n_hairs=1, table="measured"))
     columns = np.sqrt(np.linspace(0.0, 1.0, bristles.shapes.shape[1]) ** 2)
-    heights = 1.0 - GREATEST_FRACTION * columns**2
+    heights = 1.0 - DEEPEST_PRESS * columns**2
     upright = np.array([row[1:] for row in MEASURED if row[0] == 0.0])
     for height, offset, *_, fan in upright[:4]:
         at = int(np.argmin(np.abs(heights - height)))

@@ -14,7 +14,7 @@ from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.strokes_file import load_strokes
 from paint3d.cli.batches.rows import command_parser
 from paint3d.cli.main import main
-from paint3d.cli.write import pen_of
+from paint3d.cli.write import settings_of
 from paint3d.errors import InputError
 from paint3d.recording.recording import load_recording
 from tests.support.photographs import Camera, hairs_below_a_stroke, photograph, sheet_of
@@ -111,7 +111,7 @@ def test_what_is_large_is_copied_and_written_with_the_largest_brush(
     asked = "--text", "十", "--on", "plane", "--size", 300, "--out", "a.ply"
     assert copy(photo, *asked) == 2
     words = ["一", "--on=plane", "--size=300", "--out=a.ply"]
-    written = pen_of(command_parser("write").parse_args(words)).brush
+    written = settings_of(command_parser("write").parse_args(words)).brush
     assert brushes == [written]
     assert written == load_brush(choose_brush(200.0))
 

@@ -111,7 +111,9 @@ def cut_known(
     characters = _characters(text)
     glyphs = load_glyphs(source, "".join(characters))
     cells, sides = _cells(len(characters), style, shape)
-    shapes = [_wired(glyphs[one], cell, style) for one, cell in zip(characters, cells, strict=True)]
+    shapes = [
+        _draw_lines(glyphs[one], cell, style) for one, cell in zip(characters, cells, strict=True)
+    ]
     return _cut(text, style, size_mm, sides, shapes, source.licence)
 
 
@@ -140,7 +142,7 @@ def cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str =
         characters = _characters(text)
         inks = [_line_of(one, font) for one in characters]
         cells, sides = _cells(len(characters), style, shape)
-        shapes = [_drawn_into(ink, cell) for ink, cell in zip(inks, cells, strict=True)]
+        shapes = [_stretch_into(ink, cell) for ink, cell in zip(inks, cells, strict=True)]
         return _cut(text, style, size_mm, sides, shapes, font.licence)
     return _cut_whole(text.strip(), _line_of(text.strip(), font), style, size_mm, font.licence)
 
@@ -214,7 +216,7 @@ def _cells(n: int, style: str, shape: str) -> tuple[list[AnyArray], tuple[float,
     return cells, (wide + 2.0 * margin, high + 2.0 * margin)
 
 
-def _wired(glyph: Glyph, cell: AnyArray, style: str) -> Geometry:
+def _draw_lines(glyph: Glyph, cell: AnyArray, style: str) -> Geometry:
     """A character's lines drawn into a cell, all as wide as their number asks for."""
     from shapely import LineString, MultiLineString
 
@@ -223,7 +225,7 @@ def _wired(glyph: Glyph, cell: AnyArray, style: str) -> Geometry:
     wide = float(np.clip(_LINE[style] * 2.0 / math.sqrt(3.0 + len(lines)), _FINEST, _WIDEST)) * mean
     inner = cell + 0.5 * wide * np.array([1.0, 1.0, -1.0, -1.0])
     points = np.concatenate(lines)
-    scale, middle = _fit(points.min(axis=0), points.max(axis=0), inner, EM_UNITS)
+    scale, middle = _fit_box(points.min(axis=0), points.max(axis=0), inner, EM_UNITS)
     at = 0.5 * (inner[:2] + inner[2:])
     drawn = [LineString((line - middle) * scale + at) for line in lines]
     return MultiLineString(drawn).buffer(0.5 * wide, cap_style="round", join_style="round")
@@ -245,17 +247,17 @@ def _line_of(text: str, font: FontFile) -> MultiPolygon:
     return ink
 
 
-def _drawn_into(ink: MultiPolygon, cell: AnyArray) -> Geometry:
+def _stretch_into(ink: MultiPolygon, cell: AnyArray) -> Geometry:
     """A character's ink drawn out until it fills a cell."""
     from shapely import transform
 
     left, lower, right, upper = ink.bounds
-    scale, middle = _fit(np.array([left, lower]), np.array([right, upper]), cell, EM_UNITS)
+    scale, middle = _fit_box(np.array([left, lower]), np.array([right, upper]), cell, EM_UNITS)
     at = 0.5 * (cell[:2] + cell[2:])
     return transform(ink, lambda points: (points - middle) * scale + at)
 
 
-def _fit(low: AnyArray, high: AnyArray, cell: AnyArray, em: float) -> tuple[AnyArray, AnyArray]:
+def _fit_box(low: AnyArray, high: AnyArray, cell: AnyArray, em: float) -> tuple[AnyArray, AnyArray]:
     """Scales along x and y, and the middle, that let a box fill a cell as far as is becoming."""
     extent = np.maximum(high - low, _LEAST_EXTENT * em)
     scale = (cell[2:] - cell[:2]) / extent
@@ -365,8 +367,8 @@ def cut_seal(
     """
     if (text is None) == (drawing is None):
         if text is None:
-            raise InputError("a seal of nothing; expected a text or a drawing")
-        raise InputError("a seal of a text and a drawing; expected one of them")
+            raise InputError("neither text nor drawing is given; expected one of them")
+        raise InputError("both a text and a drawing are given; expected one of them")
     if drawing is not None:
         from paint3d.calligraphy.page.svg_drawing import svg_shape
 

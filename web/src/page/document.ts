@@ -256,10 +256,10 @@ export class Document {
     else if (edit.do === "remove_layer") layers.remove(edit.place);
     else if (edit.do === "move_layer") layers.move(edit.place, edit.to);
     else if (edit.do === "select_layer") layers.activate(edit.place);
-    else if (edit.do === "set_visible") layers.describe(edit.place, { visible: edit.visible });
-    else if (edit.do === "rename_layer") layers.describe(edit.place, { name: edit.name });
-    else if (edit.do === "set_blend") layers.describe(edit.place, { blend: edit.blend });
-    else layers.describe(edit.place, { opacity: edit.opacity });
+    else if (edit.do === "set_visible") layers.setProperties(edit.place, { visible: edit.visible });
+    else if (edit.do === "rename_layer") layers.setProperties(edit.place, { name: edit.name });
+    else if (edit.do === "set_blend") layers.setProperties(edit.place, { blend: edit.blend });
+    else layers.setProperties(edit.place, { opacity: edit.opacity });
     if (edit.do !== "select_layer" && edit.do !== "rename_layer") surface.touch([...shown, ...layers.paintedIds()]);
     this.#lines.push({ ...edit });
   }

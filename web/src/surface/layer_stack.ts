@@ -113,7 +113,7 @@ export class LayerStack {
     this.#keys.splice(to, 0, key);
   }
 
-  describe(place: number, changes: Partial<Layer>): void {
+  setProperties(place: number, changes: Partial<Layer>): void {
     const key = this.#keys[place];
     this.#about.set(key, { ...this.#said(key), ...changes });
   }

@@ -20,7 +20,7 @@ from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.page.laying import PlacedPiece
-from paint3d.calligraphy.writing import Pen, plan_ahead
+from paint3d.calligraphy.writing import WritingSettings, plan_ahead
 from paint3d.core.machine import usable_cores
 from paint3d.errors import Paint3DError
 
@@ -71,12 +71,12 @@ class TextWriting:
             return
         pieces = [PlacedPiece(ghost.glyph, ghost.square) for ghost in held.book.ghosts]
         brush, em = paint_thread.brush, held.laid.em_mm
-        pen = _pen(brush if suits_size(brush, em) else brush_for(em), em)
+        settings = _settings_for(brush if suits_size(brush, em) else brush_for(em), em)
         number = self._ahead
 
         def plan() -> None:
             with suppress(Paint3DError):  # told when it is to be written
-                for _ in plan_ahead(pieces, pen):
+                for _ in plan_ahead(pieces, settings):
                     if number != self._ahead:
                         return
 
@@ -131,15 +131,15 @@ def _made_ready(
     held: HeldText, painting: Snapshot, brush: BrushSpec, folder: str | None, progress: JobProgress
 ) -> tuple[Any, ...]:
     """The samples of a text that is written, and what the brush comes to hold at them."""
-    from paint3d.calligraphy.dips import dipped_as
-    from paint3d.calligraphy.flying_white import inked_as
+    from paint3d.calligraphy.dips import apply_dip_option
+    from paint3d.calligraphy.flying_white import with_ink
 
     def tell(_: str, fraction: float) -> None:
         progress(_PLANNED * fraction)
 
     written = _plan(held, painting, brush, folder, tell)
-    written = replace(written, recording=dipped_as(written.recording, brush, _DIPS))
-    recording: Recording = inked_as(
+    written = replace(written, recording=apply_dip_option(written.recording, brush, _DIPS))
+    recording: Recording = with_ink(
         written.recording, written.dryness, written.strength, painting.material
     )
     return (samples_of(recording, progress), *tool_changes_of(recording))
@@ -158,7 +158,7 @@ def _plan(
 
     laid, page = held.laid, held.book.page
     options: dict[str, Any] = {
-        "pen": _pen(brush, laid.em_mm),
+        "settings": _settings_for(brush, laid.em_mm),
         "layout": laid.layout,
         "progress": tell,
     }
@@ -169,5 +169,5 @@ def _plan(
     return write_text(painting.source, laid.text, source, **options)
 
 
-def _pen(brush: BrushSpec, em_mm: float) -> Pen:
-    return Pen(brush, em_mm, variation=_VARIATION, seed=1)
+def _settings_for(brush: BrushSpec, em_mm: float) -> WritingSettings:
+    return WritingSettings(brush, em_mm, variation=_VARIATION, seed=1)
