@@ -205,7 +205,7 @@ def _limit_by_neighbours(speed: AnyArray, step: float, limits: Limits) -> NDArra
     return np.array(each)
 
 
-# ---- Time paths --------------------------------------------------------------------------------
+# ---- Times along paths -------------------------------------------------------------------------
 
 
 _LIFT_POSES = 301

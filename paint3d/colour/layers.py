@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.colour.kernels.kubelka_munk import layer_bands
-from paint3d.colour.pigments import Pigment, load_pigment
+from paint3d.colour.pigments import WATER, Pigment, load_pigment
 from paint3d.colour.spectra import N_BANDS
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
@@ -107,7 +107,7 @@ def mix_pigments(
     parts : mapping
         How much of each pigment, by name or as `Pigment`, >= 0: g of paints that have a density,
         cm3 of others (all of the palette), or any multiple of both. The gloss is the fraction by
-        volume, 0 to 1, of paints that were fitted with Saunderson's correction.
+        volume, 0 to 1, of paints but water that were fitted with Saunderson's correction.
     by_volume : bool
         Whether parts of weighed paints are cm3 too, as in a brush.
 
@@ -132,8 +132,9 @@ def mix_pigments(
     volumes = volumes / total
     k = sum(v * p.K for v, p in zip(volumes, paints, strict=True))
     s = sum(v * p.S for v, p in zip(volumes, paints, strict=True))
+    film = sum(v for v, p in zip(volumes, paints, strict=True) if p is not WATER)
     glossy = sum(v for v, p in zip(volumes, paints, strict=True) if p.saunderson)
-    return k, s, float(glossy)
+    return k, s, float(glossy / film) if glossy else 0.0
 
 
 def mixture_reflectance(

@@ -235,8 +235,12 @@ def test_a_signature_is_laid_smaller_to_the_left_and_written_in_another_ink(wind
     main = origins(window)
 
     def fill(dialog: QtWidgets.QInputDialog) -> None:
-        assert "年" in dialog.textValue()
-        dialog.setTextValue("丙午年春")
+        edit = dialog.findChild(QtWidgets.QLineEdit)
+        date = date_line(datetime.date.today())
+        wait_for(lambda: edit.selectedText() == "□□")
+        QtTest.QTest.keyClicks(edit, "Anna")  # which leaves the date
+        assert dialog.textValue() == f"{date[:-1]}Anna{date[-1]}"
+        dialog.setTextValue("丙午年春□□")  # a name that is not given is not written
         dialog.accept()
 
     answer(fill)
@@ -437,6 +441,25 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
     wait_for(lambda: "does not fit" in window.status.message_label.text())
     np.testing.assert_array_equal(origins(window), before)
     assert text_of(window).point is None
+
+
+def test_rows_are_laid_at_once_and_what_is_too_large_at_the_size_that_fits(window) -> None:
+    lay(window, "永和九年", 20.0)
+    direction = window.panels.copybook.direction
+    direction.setFocus()
+    QtTest.QTest.keyClick(direction, KEY.Key_Down)
+    wait_for(lambda: text_of(window).order == "row")
+    settled(window)
+    assert np.ptp(origins(window)[:, 0]) > 50.0
+    answer(lambda box: box.defaultButton().click())
+    assert window.copying.layout_text("永和九年", 70.0, False)
+    wait_for(lambda: text_of(window).em_mm != 20.0)
+    settled(window)
+    assert 20.0 < text_of(window).em_mm < 70.0
+    before = window.document.texts
+    answer(lambda box: box.reject())
+    assert not window.copying.layout_text("永和九年", 300.0, True)
+    assert window.document.texts == before
 
 
 def test_a_text_all_around_breaks_anew_and_is_not_turned(program) -> None:

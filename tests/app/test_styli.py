@@ -30,6 +30,7 @@ from paint3d.pose.mouse_settings import MouseSettings
 from paint3d.pose.steering import apply_action
 from tests.support.app.gestures import live, pen_stroke, wait_for
 from tests.support.app.windows import blind, close_unasked, faults, opened, settled
+from tests.support.cases import long_but
 from tests.support.descriptors import pen
 from tests.support.force_model import ForceModel
 from tests.support.plugged import device
@@ -42,7 +43,10 @@ UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 SHEET = ((-105.0, -74.0), (105.0, -74.0), (105.0, 74.0), (-105.0, 74.0))
 
 
-@pytest.fixture(params=[OpenHapticsStandIn, Inverse3StandIn])
+STAND_INS = [OpenHapticsStandIn, Inverse3StandIn]
+
+
+@pytest.fixture(params=STAND_INS)
 def stylus(request, tmp_path, monkeypatch):
     monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
     stylus = request.param(tmp_path)
@@ -290,6 +294,7 @@ def test_what_the_mouse_locked_stays_locked_with_another_stylus_and_object(felt)
     assert laws[-1] is window.both_hands.feeling.feedback
 
 
+@pytest.mark.parametrize("stylus", long_but([Inverse3StandIn], STAND_INS), indirect=True)
 def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, stylus) -> None:
     """The sheet lies 20 mm to the right of where the device has its middle, and 5 mm lower."""
     form = window.panels.devices.stylus

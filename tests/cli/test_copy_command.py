@@ -80,8 +80,8 @@ def test_a_full_brush_paints_without_flying_white(photo: Path, tmp_path: Path) -
         pytest.param(["--corners", "0,0", "wide", "500,0", "500,500"], "'wide' is not a place",
                      marks=pytest.mark.long),
         (["--text", "十十十十十十"], "the text has 6 characters"),
-        (["--size", "9", "--resolution", "2"], "the vertices lie 2 mm apart"),
-        (["--brush", "gongbi", "--size", "300"], "larger brush"),
+        (["--text", "十", "--size", "9", "--resolution", "2"], "the vertices lie 2 mm apart"),
+        (["--text", "十", "--brush", "gongbi", "--size", "300"], "larger brush"),
         (["--beside", "a.xyz"], "unknown kind of file"),
         (["--save-strokes", "a.json"], "unknown kind of file"),
     ],
@@ -108,7 +108,8 @@ def test_what_is_large_is_copied_and_written_with_the_largest_brush(
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("paint3d.calligraphy.photo.copying.check_widths", check)
-    assert copy(photo, "--whole", "--on", "plane", "--size", 300, "--out", "a.ply") == 2
+    asked = "--text", "十", "--on", "plane", "--size", 300, "--out", "a.ply"
+    assert copy(photo, *asked) == 2
     words = ["一", "--on=plane", "--size=300", "--out=a.ply"]
     written = settings_of(command_parser("write").parse_args(words)).brush
     assert brushes == [written]

@@ -8,6 +8,7 @@ import os
 import struct
 import subprocess
 import sys
+import tracemalloc
 import zipfile
 from pathlib import Path
 
@@ -497,6 +498,23 @@ def test_archives_that_lie_or_are_packed_are_refused(tmp_path):
         load_session(path)
     with pytest.raises(SessionError, match="cannot read it"):
         load_session(tmp_path / "none.p3d")
+
+
+def test_an_entry_that_holds_more_than_it_says_is_not_unpacked(tmp_path):
+    """A bomb: its sizes are lies, in both places where a zip archive has them."""
+    path, told, held = tmp_path / "a.p3d", 20_000, 200_000_000
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("session.json", b" " * held)
+    data = path.read_bytes().replace(struct.pack("<I", held), struct.pack("<I", told))
+    path.write_bytes(data)
+    tracemalloc.start()
+    try:
+        with pytest.raises(SessionError):
+            load_session(path)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert most < held / 4
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@
 precision on blocks of vertices, band by band, so that the inner loops run in SIMD lanes. They
 are elementwise and always run whole blocks (the last one is padded): a vertex gets the same
 bits whatever its place in the list, the order or the number of threads.
-
 """
 
 from __future__ import annotations

@@ -103,7 +103,9 @@ def read_archive(
             raise SessionError("it is no plain file; expected a painting")
         with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
             entries = _checked(archive, os.fstat(file.fileno()).st_size)
-            text = _parse(archive.read(entries.pop(TEXT)))
+            entry = entries.pop(TEXT)
+            with archive.open(entry) as inner:
+                text = _parse(_read_exactly(inner, entry.file_size, TEXT))
             arrays = {}
             for k, (name, entry) in enumerate(entries.items()):
                 if name.endswith(".npy"):
@@ -169,10 +171,20 @@ def _read_array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> AnyArray:
                 shape=shape,
                 file_size=entry.file_size,
             )
-        data = file.read()  # to the end, where its checksum is compared
-    if len(data) != count * dtype.itemsize:
-        raise SessionError("{filename!r:.60} is cut short", filename=entry.filename)
+        data = _read_exactly(file, count * dtype.itemsize, entry.filename)
     return np.frombuffer(data, dtype).reshape(shape)
+
+
+def _read_exactly(file: IO[bytes], size: int, name: str) -> bytes:
+    """Return so many bytes, the last that there are; of more than these none is unpacked."""
+    parts, left = [], size
+    while left > 0:
+        parts.append(file.read(min(left, PART)))
+        if not parts[-1]:
+            raise SessionError("{filename!r:.60} is cut short", filename=name)
+        left -= len(parts[-1])
+    file.read(1)  # to its end, where its checksum is compared
+    return b"".join(parts)
 
 
 def _array_header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype, int]:

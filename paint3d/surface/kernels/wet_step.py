@@ -33,8 +33,8 @@ TOO_LITTLE_ROOM = -2
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
 _SLIPS = 0.06  # of the rate at which pores catch fine pigment: that at which they catch loose
 _DISPERSES = 0.1, 0.4  # mm: in pores and as a film; water that runs so far mixes over as far
-_MIXES = 0.06  # of a node's water, at most, that it exchanges with another in a step
-CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest
+_MIXES = 0.5  # of a node's water, at most, that it exchanges with all others in a step
+_CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -357,7 +357,7 @@ def _carry(f, rows, n_rows, n_ids, work):
         f.changed[i] = True
         _mix(f, rows, r, volume, gone, (scale * carrying, scale * floating), coming)
         share, left = rows.share[r], volume - gone
-        spacing = np.sqrt(f.area[i])
+        spacing, links = np.sqrt(f.area[i]), np.float64(f.last[i] - f.first[i])
         for e in range(begin, end):
             k = rows.cols[e]
             flux = rows.x[e] * scale
@@ -368,7 +368,8 @@ def _carry(f, rows, n_rows, n_ids, work):
             within *= np.sqrt(2.0 * f.area[j] / (f.area[i] + f.area[j]))
             there = f.water[j] * f.area[j]
             stirred = (_DISPERSES[0] * (flux - afloat) + _DISPERSES[1] * afloat) / spacing
-            stirred = min(stirred, _MIXES * min(left, there))
+            beside = np.float64(f.last[j] - f.first[j])
+            stirred = min(stirred, _MIXES * min(left / links, there / beside))
             back = stirred / there if stirred > 0.0 else 0.0
             for p in range(n_pigments):
                 drawn = _drawn(f.mobility[p], carried, afloat)
@@ -468,7 +469,7 @@ def _settle(f, i, water):
     afloat = 0.0
     for p in range(f.pigment.shape[1]):
         afloat += f.loose[i, p]
-    most = CROWDED * water
+    most = _CROWDED * water
     if afloat > most:
         for p in range(f.pigment.shape[1]):
             f.loose[i, p] *= most / afloat

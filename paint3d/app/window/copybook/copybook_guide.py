@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,9 +48,14 @@ __all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM = 15.0  # where there is no text that it belongs to
+_NAMELESS = "□□"  # where a name goes that is not known
 _USUAL_SIGNATURE = 7  # characters: a year, a season, a name
 _BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # values that let a text fill no sheet
-_BREAK_ANEW = {"grid", "around"}  # values with which the text's lines may break otherwise
+_CHOICES = {
+    "around",
+    "order",
+}  # values of which there are two: one that does not fit is asked about
+_BREAK_ANEW = {"grid", *_CHOICES}  # values with which the text's lines may break otherwise
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _NUMERALS = r"\d〇零○一二三四五六七八九十"
 _DATED = re.compile(  # a year, and what else of a date is said beside a name
@@ -142,11 +148,19 @@ class CopybookGuide:
     def do_sign(self) -> None:
         """Ask for a line of signature and date, and lay it smaller beside the text."""
         workspace = self._workspace
-        text, agreed = QtWidgets.QInputDialog.getText(
-            workspace.window, say("Signature and date…").rstrip("…"),
-            say("Date and name, as the line beside the text says them"),
-            text=date_line(datetime.date.today(), workspace.settings.signer),
-        )  # fmt: skip
+        name = workspace.settings.signer or _NAMELESS
+        line = date_line(datetime.date.today(), name)
+        dialog = QtWidgets.QInputDialog(workspace.window)
+        dialog.setWindowTitle(say("Signature and date…").rstrip("…"))
+        dialog.setLabelText(say("Date and name, as the line beside the text says them"))
+        dialog.setTextValue(line)
+        edit = dialog.findChild(QtWidgets.QLineEdit)
+        assert edit is not None, "it asks for a line"
+        # once it is shown, which selects the whole line: what is typed replaces the name alone
+        name_alone = partial(edit.setSelection, line.rindex(name), len(name))
+        QtCore.QTimer.singleShot(0, name_alone)
+        agreed, text = dialog.exec(), dialog.textValue().replace(_NAMELESS, "")
+        dialog.deleteLater()
         if not agreed or not text.strip():
             return
         workspace.update_settings(signer=signer_in(text))
@@ -256,7 +270,7 @@ class CopybookGuide:
             self._workspace.tell(say_error(error), state="bad")
             return
         if self._active is not None:
-            if not self._put(laid, self._active, quiet=True):
+            if not self._put(laid, self._active, quiet=_CHOICES.isdisjoint(values)):
                 self._show_active()
             return
         page = held.book.page
@@ -326,14 +340,27 @@ class CopybookGuide:
         return book
 
     def _put(self, laid: LaidText, number: int | None, *, quiet: bool = False) -> bool:
-        """Lay a text in the place of one, or beside those there are; whether that went well."""
+        """Lay a text in the place of one, or beside those there are; whether that went well.
+
+        One that would fit at a smaller size is laid at that size if this is agreed to.
+        """
         workspace = self._workspace
         texts = workspace.painting.texts
         if number is not None and number < len(texts) and texts[number] == laid:
             return True
         done = workspace.run(say("Lay out"), lambda _: self._make(laid))
-        if quiet and isinstance(done.exception(), Paint3DError):
-            workspace.tell(say_error(done.exception() or ""), state="bad")
+        error = done.exception()
+        if quiet and isinstance(error, Paint3DError):
+            workspace.tell(say_error(error), state="bad")
+            return False
+        if isinstance(error, Paint3DError) and "smaller" in error.message.fields:
+            smaller = error.message.fields["smaller"]
+            accept = say("Lay out at {size}", size=f"{smaller:g} mm")
+            if (
+                ask(workspace.window, say_error(error), accept=accept, warns=True)
+                is Answer.AcceptRole
+            ):
+                return self._put(laid.moved(em_mm=smaller), number)
             return False
         if not workspace.went_well(done):
             return False

@@ -133,10 +133,10 @@ class CopybookPanel(QtWidgets.QWidget):
         )
         self.fill_box.setChecked(True)
         self.around_box = QtWidgets.QCheckBox(say("All around the object"))
-        self.around_box.toggled.connect(lambda on: self.changed.emit({"around": on}))
         self.direction = QtWidgets.QComboBox()
         self.direction.addItem(say("Columns"), True)
         self.direction.addItem(say("Row"), False)
+        self.direction.activated.connect(self._change_order)
         self.font_box = FontBox(say("Characters of the copybook"))
         self.grid_box = QtWidgets.QComboBox()
         for kind in GRIDS:
@@ -151,6 +151,7 @@ class CopybookPanel(QtWidgets.QWidget):
             box.setToolTip(say("Squares of a grid without a text"))
         self.turn = self._number("turn", -180.0, 180.0, 0.0, "°", 1)
         self.around_box.toggled.connect(self.turn.setDisabled)
+        self.around_box.toggled.connect(lambda on: self.changed.emit({"around": on}))
         self.gap = self._number("gap", 0.0, 500.0, 10.0, " %")
         self.between = self._number("between", 0.0, 500.0, 0.0, " %")
         self.gap.setToolTip(say("Room between columns, or rows, in parts of the size"))
@@ -322,6 +323,17 @@ class CopybookPanel(QtWidgets.QWidget):
         with QtCore.QSignalBlocker(self.move_button):
             self.move_button.setChecked(on)
 
+    @property
+    def _order(self) -> str:
+        return "columns" if self.direction.currentData() else "row"
+
+    def _change_order(self) -> None:
+        """Lay the chosen text the other way; one that fills the sheet is laid out anew."""
+        if self.fills and self.texts.isEnabled():
+            self.ask()
+        else:
+            self.changed.emit({"order": self._order})
+
     def ask(self) -> None:
         """Ask for what is written here."""
         self._ask(False)
@@ -330,7 +342,7 @@ class CopybookPanel(QtWidgets.QWidget):
         values = {
             "text": self.text.text().strip(),
             "em_mm": self.em.value(),
-            "order": "columns" if self.direction.currentData() else "row",
+            "order": self._order,
             "font": self.font_box.font_name,
             "grid": self.grid_box.currentData(),
             "cells": (self.across.value(), self.down.value()),

@@ -39,6 +39,7 @@ class BeginPage(QtWidgets.QFrame):
         self._rows.setSpacing(8)
         self.buttons: list[QtWidgets.QPushButton] = []
         self.hide()
+        recovery.discarded = self._fill_again
 
     def show_page(self, shown: bool) -> None:
         """Show it, with what is there now, or hide it."""
@@ -53,6 +54,12 @@ class BeginPage(QtWidgets.QFrame):
         """Stand in the middle of the canvas."""
         self.adjustSize()
         self.move(self._workspace.canvas.rect().center() - self.rect().center())
+
+    def _fill_again(self) -> None:
+        """Offer what is there now, if it is shown."""
+        if self.isVisible():
+            self.hide()
+            self.show_page(True)
 
     def _fill(self) -> None:
         while self._rows.count():
