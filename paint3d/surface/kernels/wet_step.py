@@ -33,7 +33,7 @@ TOO_LITTLE_ROOM = -2
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
 _SLIPS = 0.06  # of the rate at which pores catch fine pigment: that at which they catch loose
 _DISPERSES = 0.1, 0.4  # mm: in pores and as a film; water that runs so far mixes over as far
-_MIXES = 0.5  # of a node's water, at most, that it exchanges with all others in a step
+_MIXES = 0.06  # of a node's water, at most, that it exchanges with one of up to 8 others in a step
 _CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
@@ -369,7 +369,8 @@ def _carry(f, rows, n_rows, n_ids, work):
             there = f.water[j] * f.area[j]
             stirred = (_DISPERSES[0] * (flux - afloat) + _DISPERSES[1] * afloat) / spacing
             beside = np.float64(f.last[j] - f.first[j])
-            stirred = min(stirred, _MIXES * min(left / links, there / beside))
+            few = min(1.0, 8.0 / max(links, beside, 1.0))
+            stirred = min(stirred, few * _MIXES * min(left, there))
             back = stirred / there if stirred > 0.0 else 0.0
             for p in range(n_pigments):
                 drawn = _drawn(f.mobility[p], carried, afloat)
