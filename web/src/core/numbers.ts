@@ -51,3 +51,16 @@ export function interleaved(x: number, y: number, z: number, bits: number): numb
     code |= (((x >> k) & 1) | (((y >> k) & 1) << 1) | (((z >> k) & 1) << 2)) << (3 * k);
   return code >>> 0;
 }
+
+/** Lists one after the other. */
+export function joined<T extends Float64Array | Int32Array | Uint8Array>(
+  lists: readonly T[], Type: new (n: number) => T,
+): T {
+  const all = new Type(lists.reduce((n, list) => n + list.length, 0));
+  let n = 0;
+  for (const list of lists) {
+    all.set(list, n);
+    n += list.length;
+  }
+  return all;
+}

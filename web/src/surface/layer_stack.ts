@@ -6,7 +6,8 @@
 import { NDArray } from "../core/arrays";
 import type { Kernels } from "../core/kernels";
 import type { GlazeModel } from "../colour/glazing";
-import { DryLayers, rounded, SPECTRUM_STEPS, widened, type KeptRows } from "./dry_layers";
+import { roundHalfToEven } from "../core/numbers";
+import { DryLayers, SPECTRUM_STEPS, widened, type KeptRows } from "./dry_layers";
 import type { KeptFlow } from "./flow";
 import { distinct } from "./flow_graph";
 import type { PaintedSurface } from "./painted_surface";
@@ -236,7 +237,7 @@ export class LayerStack {
     const shown = spectra.data;
     for (let k = 0; k < below.length; k++) {
       const above = blend === "multiply" ? shown[k] * (below[k] / SPECTRUM_STEPS) : shown[k];
-      shown[k] = rounded(below[k] + opacity * (above - below[k]));
+      shown[k] = roundHalfToEven(below[k] + opacity * (above - below[k]));
     }
   }
 

@@ -1,5 +1,6 @@
 /** Binary glTF 2.0: the default scene as one mesh, with its nodes' transforms: `paint3d/files/formats/gltf.py`. */
 
+import { joined } from "../../core/numbers";
 import { colourShares, srgbFromLinear } from "../colours";
 import { damaged, MeshError, noted, type Note } from "../mesh_error";
 import { checkCount, leftOut, rawMesh, threes, type RawMesh } from "../raw_mesh";
@@ -71,7 +72,7 @@ export function readGlb(data: Uint8Array): RawMesh {
   }
   for (const one of leftBeside(file)) dropped.add(one);
   const notes = [...new Map(told.map((one) => [JSON.stringify(one), one])).values(), ...leftOut(dropped)];
-  return { ...joined(parts), unitMm: METRE_MM, up: "y", notes };
+  return { ...asOne(parts), unitMm: METRE_MM, up: "y", notes };
 }
 
 function listed(value: unknown): unknown[] {
@@ -462,16 +463,7 @@ function transformed(part: RawMesh, matrix: Matrix): RawMesh {
 }
 
 /** Several meshes as one: where some have colours the others are white, normals are kept where all have them. */
-function joined(parts: RawMesh[]): RawMesh {
-  const all = <T extends Float64Array | Uint8Array>(rows: T[], Type: new (n: number) => T): T => {
-    const joint = new Type(rows.reduce((n, row) => n + row.length, 0));
-    let at = 0;
-    for (const row of rows) {
-      joint.set(row, at);
-      at += row.length;
-    }
-    return joint;
-  };
+function asOne(parts: RawMesh[]): RawMesh {
   let before = 0;
   const corners = parts.map((part) => {
     const first = before;
@@ -481,11 +473,11 @@ function joined(parts: RawMesh[]): RawMesh {
   const normals = parts.map((part) => part.normals).filter((rows) => rows !== null);
   const isColoured = parts.some((part) => part.colours !== null);
   return rawMesh({
-    vertices: all(parts.map((part) => part.vertices), Float64Array),
-    corners: all(corners, Float64Array),
+    vertices: joined(parts.map((part) => part.vertices), Float64Array),
+    corners: joined(corners, Float64Array),
     sizes: threes(corners.reduce((n, row) => n + row.length, 0) / 3),
     colours: isColoured
-      ? all(parts.map((part) => part.colours ?? new Uint8Array(part.vertices.length).fill(255)), Uint8Array) : null,
-    normals: normals.length === parts.length ? all(normals, Float64Array) : null,
+      ? joined(parts.map((part) => part.colours ?? new Uint8Array(part.vertices.length).fill(255)), Uint8Array) : null,
+    normals: normals.length === parts.length ? joined(normals, Float64Array) : null,
   }); // prettier-ignore
 }
