@@ -109,40 +109,35 @@ def test_sized_paper_keeps_ink_where_it_was_laid() -> None:
     assert everything(surface)[away > 3.0 + 0.5].max() < 1e-3
 
 
-def test_water_that_meets_a_damp_wash_leaves_a_dark_edge() -> None:
-    """A backrun: pale within, darker than the wash at its border, and unlike without the water."""
+def watered(material, soot: float, wash: float, waits: tuple[float, float]) -> NDArray[np.float64]:
+    """Rings of a wash (coats of soot, of water), without and with water dropped in its middle."""
     found = []
-    for water in (0.0, 5.0):
-        surface = PaintedSurface(grid(22.0, 0.4), None, STILL)
-        drop(surface, 0.3, 8.0)
-        drop(surface, 0.7, 8.0, ink="water")
-        surface.diffuse(30.0)
+    for water in (0.0, 6.0):
+        surface = PaintedSurface(grid(24.0, 0.4), None, material)
+        drop(surface, soot, 9.0)
+        drop(surface, wash, 9.0, ink="water").diffuse(waits[0])
         if water:
             drop(surface, water, 2.0, ink="water")
-        surface.diffuse(20.0)
+        surface.diffuse(waits[1])
         found.append(rings(surface)[:14])
-    still, run = found
+    return np.array(found)
+
+
+def test_water_that_meets_a_damp_wash_leaves_a_dark_edge() -> None:
+    """A backrun: pale within, darker than the wash at its border, and unlike without the water."""
+    still, run = watered(STILL, 0.3, 0.7, (30.0, 20.0))
     edge = int(run.argmax())
-    assert run[0] < 0.55 * still[0]
-    assert run[edge] > 1.1 * still[edge]
+    assert run[0] < 0.45 * still[0]
+    assert run[edge] > 1.14 * still[edge]
     assert 4 < edge < 14
 
 
 def test_water_dropped_into_a_wet_wash_leaves_a_cloud_not_a_disc() -> None:
     """It gets paler to its middle little by little, and some of the wash stays there."""
-    profiles = []
-    for water in (0.0, 6.0):
-        surface = PaintedSurface(grid(24.0, 0.4), None, "xuan")
-        drop(surface, 0.16, 9.0)
-        drop(surface, 1.6, 9.0, ink="water")
-        surface.diffuse(4.0)
-        if water:
-            drop(surface, water, 2.0, ink="water")
-        surface.diffuse(60.0)
-        profiles.append(rings(surface)[:14])
-    paler = profiles[1] / profiles[0]
+    still, run = watered("xuan", 0.16, 1.6, (4.0, 60.0))
+    paler = run / still
     assert 0.1 < paler[0] < 0.5
-    assert np.diff(paler).max() < 0.3 * (paler.max() - paler[0])
+    assert np.diff(paler).max() < 0.2 * (paler.max() - paler[0])  # .34 where films lift all
 
 
 @pytest.mark.parametrize("known", [False, True])
@@ -213,7 +208,7 @@ def test_halo_and_rim_do_not_depend_on_the_triangles() -> None:
         surface.diffuse(20.0)
         inner = rings(surface)
         found.append((*radii(surface), inner.max() / inner[:3].mean()))
-    np.testing.assert_allclose(found[0][:2], found[1][:2], rtol=0.04)
+    np.testing.assert_allclose(found[0][:2], found[1][:2], rtol=0.035)
     assert found[0][2] == pytest.approx(found[1][2], rel=0.12)  # finer, and so sharper
 
 
