@@ -8,7 +8,7 @@ import pytest
 from paint3d.colour.difference import delta_e, lab_from_linear_rgb
 from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
 from paint3d.colour.materials import load_material
-from paint3d.colour.pigments import Pigment, load_pigment, pigment_names
+from paint3d.colour.pigments import WATER, Pigment, load_pigment, pigment_names
 from paint3d.colour.spectra import linear_rgb_from_reflectance, srgb_from_linear
 from paint3d.colour.vertex_colours import ColourModel
 from paint3d.errors import InputError
@@ -21,6 +21,7 @@ MIXES = [
     ["indigo", "gamboge", "carmine"],
     ["Vermillion", "ZincWhite", "PrussianBlue"],
     ["pine soot", "Vermillion", "cinnabar"],
+    ["Vermillion", "pine soot", "water"],
     pigment_names()[2:10],
 ]
 
@@ -39,7 +40,7 @@ def twin(pigments, amounts, coverage):
     c = coverage.astype(float)[:, None]
     coats = np.divide(amounts, c, out=np.zeros(amounts.shape), where=c > 0)
     glossy = coats @ np.array([float(p.saunderson) for p in pigments])
-    film = np.maximum(coats.sum(axis=1), 1e-12)
+    film = np.maximum(coats @ np.array([float(p is not WATER) for p in pigments]), 1e-12)
     gloss = [loss * (glossy / film)[:, None] for loss in SAUNDERSON]
     k, s = (coats @ np.array([getattr(p, letter) for p in pigments]) for letter in "KS")
     ground = np.maximum(to_internal(BACKING, *gloss), 0)
