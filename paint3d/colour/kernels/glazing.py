@@ -152,7 +152,8 @@ def glazed_colours(wet, glaze, ground, shown):
                 v = vertex_ids[start + j]
                 if out_rgb.size:
                     out_rgb[v, h] = rgb[j]
-                value = min(max(rgb[j], zero), one)
+                value = rgb[j] if rgb[j] > zero else zero  # what is no number, too
+                value = min(value, one)
                 out_srgb[v, h] = codes[np.int32(value * scale + half)]
 
 
