@@ -63,6 +63,7 @@ _FIRST = (
 )
 pytest_plugins = (
     "tests.support.plugged",
+    "tests.support.coarse",
     "tests.support.lights",
     "tests.support.found_sheets",
     "tests.support.fonts",
