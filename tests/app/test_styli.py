@@ -318,6 +318,7 @@ def test_it_is_calibrated_in_the_panel_and_paints_where_it_was_touched(window, s
     wait_for(lambda: window.both_hands.desk.rate_hz("right") > 0.0)
 
 
+@pytest.mark.parametrize("stylus", long_but([OpenHapticsStandIn], STAND_INS), indirect=True)
 def test_what_is_missing_is_said(window) -> None:
     form, kept = window.panels.devices.stylus, window.workspace.settings.stylus
     form.kind.activated.emit(form.kind.currentIndex())  # again, as it was: at the same place
