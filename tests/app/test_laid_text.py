@@ -425,8 +425,8 @@ def test_texts_come_back_after_a_crash(tmp_path) -> None:
     document = Document.new("plane", 4.0, "xuan")
     folder = RecoveryFolder(document, tmp_path)
     paint_thread = PaintThread(document, recovery=folder)
-    paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(60)
-    paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(60)
+    paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(300)
+    paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(300)
     paint_thread.stop(keep=True)
     recovered = recoverable(tmp_path)[0].recover().document
     assert recovered.texts == (LaidText("永和", 24.0, turn=20.0),)

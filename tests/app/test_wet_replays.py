@@ -84,7 +84,7 @@ def play(window, recording: EventRecording, wall: Wall, how: str, pace: float) -
         wall.ms = begin_ms + batch[-1].time_ms
         if how == "burst":  # something holds the window up, longer than between two strokes
             for _ in range(5):
-                window.stage.paint_thread.post(lambda document: None).result(60)
+                window.stage.paint_thread.post(lambda document: None).result(300)
                 time.sleep(_STALL_S)
         for event in batch:
             player.send(event, begin_ms)
