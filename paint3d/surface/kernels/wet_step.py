@@ -35,6 +35,7 @@ _SLIPS = 0.06  # of the rate at which pores catch fine pigment: that at which th
 _DISPERSES = 0.1, 0.4  # mm: in pores and as a film; water that runs so far mixes over as far
 _MIXES = 0.06  # of a node's water, at most, that it exchanges with one of up to 8 others in a step
 _CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest
+_THINNEST = 1e-6  # mm, of what fills a cell: coarse grain leaves some none
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -151,7 +152,7 @@ def _entry_of(to_fill, part, opens):
 @kernel(error_model="numpy", inline="always")
 def _know_entry(f, rows, k, i, opens):
     """Note what it takes to get into a node, which is the k-th."""
-    rows.to_fill[k], rows.filling[k] = f.entry[i], 1.0 / f.entry_depth[i]
+    rows.to_fill[k], rows.filling[k] = f.entry[i], 1.0 / max(f.entry_depth[i], _THINNEST)
     rows.entry[k] = _entry_of(f.entry[i], f.water[i] * rows.filling[k], opens)
 
 
