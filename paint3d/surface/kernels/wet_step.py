@@ -31,7 +31,7 @@ __all__ = ["TOO_LITTLE_ROOM", "Absorption", "WetFields", "Workspace", "move_wate
 TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
-_SLIPS = 0.06  # of the rate at which pores catch fine pigment: that at which they catch loose
+_SLIPS = 0.08  # of the rate at which pores catch fine pigment: that at which they catch loose
 _DISPERSES = 0.1, 0.4  # mm: in pores and as a film; water that runs so far mixes over as far
 _MIXES = 0.06  # of a node's water, at most, that it exchanges with one of up to 8 others in a step
 _CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest
@@ -415,8 +415,10 @@ def _carry(f, rows, n_rows, n_ids, work):
                 fine, loose = flux * coming[r, 2 + 3 * p], flux * coming[r, 3 + 3 * p]
                 catches = min(1.0, f.sticks[p] * f.catch[j] * within)
                 coming[k, 2 + 3 * p] += (1.0 - catches) * fine
-                coming[k, 3 + 3 * p] += (1.0 - _SLIPS * catches) * loose
-                caught = catches * (fine + _SLIPS * loose)
+                rate = _SLIPS * catches * (6.0 - catches) / (6.0 - 4.0 * catches)  # -ln(1 - catches)
+                slips = rate / (1.0 + 0.5 * rate)
+                coming[k, 3 + 3 * p] += (1.0 - slips) * loose
+                caught = catches * fine + slips * loose
                 coming[k, 1 + 3 * p] += drawn * coming[r, 1 + 3 * p] + caught
             waits[k] -= 1
             if waits[k] == 0:
