@@ -365,14 +365,19 @@ def test_grains_as_wide_as_the_pores_of_clay_pass_those_of_paper(material, least
 
 
 def around(surface: PaintedSurface) -> tuple[NDArray, NDArray, NDArray]:
-    """Nodes' ink (N,), what share of the ways around each leads to ink, and the mean there."""
+    """Nodes' ink (N,), the fraction of links from each to inked nodes, and the mean ink there.
+
+    A node of which less than half is wet is none: the front as it is drawn runs inside of it.
+    """
     graph = surface.flow_graph
     n, links = graph.n_nodes, slice(graph.n_links)
-    first = np.searchsorted(graph.node_of[: graph.n_places], np.arange(n))
-    ink = everything(surface)[graph.vertices[first]]
-    owner, there, weights = graph.owner[links], ink[graph.links[links]], graph.weights[links]
+    first = graph.vertices[np.searchsorted(graph.node_of[: graph.n_places], np.arange(n))]
+    ink, within = everything(surface)[first], surface.share_painted()[first] >= 0.5
+    there = graph.links[links]
+    owner, inked, there = graph.owner[links], within[there] & (ink[there] > 1e-3), ink[there]
+    weights = graph.weights[links]
     total = np.maximum(np.bincount(owner, weights, n), 1e-12)
-    share = np.bincount(owner, weights * (there > 1e-3), n) / total
+    share = np.bincount(owner, weights * inked, n) / total
     return ink, share, np.bincount(owner, weights * there, n) / total
 
 
