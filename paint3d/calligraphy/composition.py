@@ -193,7 +193,7 @@ def _best(asked: _Asked, verses: Sequence[str]) -> Composition:
     ways = list(_ways_to_break(verses))
     if asked.columns and asked.sheet.usual.shape == "sector":
         ways = [(lines, liked * _on_ribs(lines)) for lines, liked in ways]
-        ways += _ways_in_turn("".join(verses))
+        ways += _ways_in_turn("".join(verses), asked.sheet)
     found = [(liked, *_fitted(asked, lines)) for lines, liked in ways]
     return max(found, key=lambda one: one[0] * one[1])[2]
 
@@ -204,10 +204,15 @@ def _on_ribs(lines: Sequence[str]) -> float:
     return 1.0 if few or max(map(len, lines)) == 1 else _EVEN_ON_FAN
 
 
-def _ways_in_turn(text: str) -> Iterator[tuple[list[str], float]]:
+def _ways_in_turn(text: str, sheet: Sheet) -> Iterator[tuple[list[str], float]]:
     """A text in long and short columns by turns; and how well that is liked."""
-    for long in range(2, len(text) // 2 if len(text) >= _IN_TURN_FROM else 0):
+    fan = fan_of(sheet)
+    most = int(2.0 * fan.half_opening * fan.outer / _LEAST_MM)  # columns
+    longest = min(len(text) // 2 - 1, int(sheet.height_mm / _LEAST_MM))
+    for long in range(2, longest + 1 if len(text) >= _IN_TURN_FROM else 0):
         for short in range(1, long // 2 + 1):
+            if 2 * len(text) > most * (long + short):
+                continue
             lines, at = [], 0
             while at < len(text):
                 rows = (long, short)[len(lines) % 2]
