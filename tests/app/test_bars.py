@@ -117,6 +117,7 @@ JOBS: dict[str, Callable[..., bool]] = {
     ),
     "picture": lambda w, at: w.pictures.picture_to(at / "a.png", (900, 700)),
     "export": lambda w, at: w.exporting.export_to(at / "a.glb"),
+    "text": lambda w, at: w.copying.layout_text("永和", 20.0, True),
     "edit": lambda w, at: w.editing.run_edit([1], {"do": "delete"}),
     "refine": _refine,
     "warm": _warm,
