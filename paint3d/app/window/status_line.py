@@ -10,7 +10,7 @@ from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.window.playing.player import Player
 from paint3d.app.window.theme import STATES, Theme
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_left
 from paint3d.app.window.workspace import Workspace
 
 __all__ = ["SPEEDS", "ReplayBar", "StatusLine", "keeping_up"]
@@ -228,10 +228,3 @@ class ReplayBar(QtWidgets.QWidget):
         left = self._player.left_s
         self.left.setText("" if left is None else say_left(left))
         self.still.setVisible(self._player.is_spreading and (left or 0.0) > _LONG_S)
-
-
-def say_left(seconds: float) -> str:
-    """How long something still takes, in words."""
-    if seconds < 57.5:
-        return say("about {n} s left", n=max(5, 5 * round(seconds / 5.0)))
-    return say("about {n} min left", n=round(seconds / 60.0))
