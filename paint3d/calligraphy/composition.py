@@ -55,7 +55,7 @@ _SIGNATURE, _OF_WIDTH = 0.35, 1.0 / 10.0  # of the characters' size, of the pape
 _SIGNED_COLUMN, _AWAY = 1.8, 0.9  # of a signature's characters: its column; from the text's ink
 _SIGNED_BETWEEN, _TO_SEAL, _SEAL = 0.0, 0.4, 0.85  # of a signature's characters
 _SIGNED_LENGTH = 0.85  # of the text's columns, at most
-_LEAST_BELOW, _BELOW = 0.2, 0.4  # ems: a signature below the last column; from that to it
+_LEAST_BELOW, _BELOW = 0.19, 0.35  # ems: a signature below the last column; from that to it
 _LEAST_SIGNATURE_MM, _LEAST_SHARE = 4.0, 0.1
 _LEAST_SEAL_MM = 4.0
 _STEP_MM, _OFF_MM, _FARTHEST_MM, _TRIALS = 2.0, 0.01, 2000.0, 4
@@ -276,7 +276,7 @@ def _signature_mm(em: float, whole: float, length: float) -> float:
 
 def _below_mm(em: float, whole: float, blank: float) -> float | None:
     """The size of a signature below a column that is shorter by a length, mm; None: no room."""
-    size = min(_SIGNATURE * em, (blank - _BELOW * em) / whole)
+    size = min(_SIGNATURE * em, (blank - (_BELOW + _BARE) * em) / whole)
     return size if size >= _LEAST_BELOW * em else None
 
 
@@ -520,7 +520,8 @@ def sign_beside(
     if below is not None:
         size = min(size, below)
         start = (len(last) - 1) * pitch + (0.5 + _BELOW) * em
-        end = min(end, max(start + whole * size, 0.7 * end))
+        lowest = length - (0.5 + _BARE) * em
+        end = min(lowest, max(start + whole * size, 0.7 * end))
     else:
         inked = (0.5 - _BARE) * em
         free = paper.room(first.origin + inked * aside, aside)

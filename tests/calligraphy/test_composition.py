@@ -172,6 +172,8 @@ def test_a_short_last_column_has_the_signature_below_it_wherever_one_fits() -> N
         last = middles(squares)[-1]
         assert beside.point[0] == pytest.approx(last[0], abs=0.1)
         assert beside.seal_point[1] > middles(squares)[:, 1].min() - 0.5 * found.em_mm
+        top = beside.point[1] + 0.5 * 7 * beside.em_mm
+        assert top < last[1] - 0.8 * found.em_mm  # it does not touch what stands above
 
 
 @pytest.mark.parametrize("order", ["columns", "row"])
