@@ -213,7 +213,8 @@ def _ways_in_turn(text: str, sheet: Sheet) -> Iterator[tuple[list[str], float]]:
         for short in range(1, long // 2 + 1):
             if 2 * len(text) > most * (long + short):
                 continue
-            lines, at = [], 0
+            lines: list[str] = []
+            at = 0
             while at < len(text):
                 rows = (long, short)[len(lines) % 2]
                 lines.append(text[at : at + rows])
