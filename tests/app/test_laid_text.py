@@ -33,12 +33,13 @@ from tests.support.app.gestures import (
     wait_for,
 )
 from tests.support.app.windows import opened, pretend_saved, settled
+from tests.support.cases import long_but
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 
 
 @pytest.fixture(scope="module")
-def window(program):
+def window(program, nothing_planned_ahead):
     """A window with a sheet in it."""
     with opened(program, "sheet:200x260", 1.5, "xuan", drawn=False) as window:
         yield window
@@ -95,7 +96,7 @@ def text_of(window) -> LaidText:
     return text
 
 
-@pytest.mark.parametrize("by", ["mouse", "pen"])
+@pytest.mark.parametrize("by", long_but(["pen"], ["mouse", "pen"]))
 def test_a_text_is_dragged_and_one_undo_takes_it_back(window, by: str) -> None:
     lay(window, "永和\n九年", 30.0)
     before = origins(window)
@@ -449,8 +450,8 @@ def test_texts_come_back_after_a_crash(tmp_path) -> None:
     document = Document.new("plane", 4.0, "xuan")
     folder = RecoveryFolder(document, tmp_path)
     paint_thread = PaintThread(document, recovery=folder)
-    paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(60)
-    paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(60)
+    paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(300)
+    paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(300)
     paint_thread.stop(keep=True)
     recovered = recoverable(tmp_path)[0].recover().document
     assert recovered.texts == (LaidText("永和", 24.0, turn=20.0),)

@@ -106,6 +106,6 @@ def test_the_devices_say_of_the_painting_what_the_status_line_says(
     monkeypatch.setattr(window.stage, "follow", lambda: frame)
     monkeypatch.setattr(window.stage, "frame", frame)
     window.panels.docks["devices"].raise_()
-    wait_for(lambda: said in window.status.state.text(), 60.0)
-    wait_for(lambda: f"Painting: {said}" in window.panels.devices.lines.text(), 60.0)
+    wait_for(lambda: said in window.status.state.text())
+    wait_for(lambda: f"Painting: {said}" in window.panels.devices.lines.text())
     assert "late" not in window.panels.devices.lines.text()

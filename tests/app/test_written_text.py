@@ -65,7 +65,7 @@ def written(window) -> None:
 
 def test_the_button_has_the_brush_write_it_where_it_lies(window) -> None:
     lay(window, "十", 70.0)
-    window.stage.paint_thread.post("dip", "cinnabar").result(60)
+    window.stage.paint_thread.post("dip", "cinnabar").result(300)
     brush = window.document.painter.brush
     QtTest.QTest.mouseClick(window.panels.copybook.write_button, BUTTON.LeftButton)
     written(window)
