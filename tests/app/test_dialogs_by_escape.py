@@ -65,7 +65,7 @@ MODAL: dict[str, Callable[..., object]] = {
         for name in (
             "new", "open", "save_as", "export", "screenshot", "turntable", "growth", "replay",
             "save_recording", "preferences", "test_pen", "stand", "seal", "open_brush",
-            "open_pigments", "shortcuts", "about",
+            "open_pigments", "shortcuts", "about", "choose_light",
         )
     },
     "correct": correct,

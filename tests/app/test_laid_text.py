@@ -255,6 +255,31 @@ def test_a_signature_is_laid_smaller_to_the_left_and_written_in_another_ink(wind
     assert not window.copying.mover.is_on  # it lies where it belongs
 
 
+def test_letters_are_proposed_in_a_row_and_squares_without_a_text(window) -> None:
+    panel = window.panels.copybook
+    for text, in_columns in (("Anna", False), ("永和，九年", True), ("Anna 永", False)):
+        panel.text.setPlainText(text)
+        assert panel.direction.currentData() is in_columns
+        assert not panel.across.isEnabled()
+    panel.text.setPlainText(" ")
+    assert panel.across.isEnabled()
+    panel.direction.setCurrentIndex(panel.direction.findData(True))
+    panel.direction.activated.emit(panel.direction.currentIndex())
+    panel.text.setPlainText("Anna")
+    assert panel.direction.currentData() is True  # as it was chosen
+
+
+def test_the_panel_begins_anew_with_a_painting_and_leaves_no_signature(window) -> None:
+    panel = window.panels.copybook
+    panel.show_values(LaidText("丙午年冬李明書", 12.0, grid="none", is_signature=True))
+    panel.begin_anew(on_sheet=True)
+    assert (panel.text.text(), panel.em.value()) == ("永和九年", 40.0)
+    assert panel.grid_box.currentData() == "frame"
+    panel.show_values(LaidText("靜夜思", 55.0))
+    panel.begin_anew(on_sheet=True)
+    assert (panel.text.text(), panel.em.value()) == ("靜夜思", 40.0)
+
+
 @pytest.mark.parametrize(
     ("line", "name"),
     [

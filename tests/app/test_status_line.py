@@ -44,6 +44,15 @@ def test_what_goes_on_is_said_beside_the_strokes(window) -> None:
     window.workspace.tell("")
 
 
+def test_what_has_no_room_ends_in_an_ellipsis(window) -> None:
+    label = window.status.message_label
+    window.workspace.tell("永 " * 400)
+    assert label.shown.endswith("…")
+    assert label.toolTip() == "永 " * 400
+    window.workspace.tell("永")
+    assert label.shown == "永"
+
+
 class Laid(QtCore.QObject):
     """Counts how often a window is laid out."""
 

@@ -156,6 +156,32 @@ def test_a_signature_stands_below_a_last_column_that_is_short() -> None:
     assert beside.point[1] < last[1]
 
 
+@pytest.mark.parametrize("n", [8, 28, 56])
+def test_long_and_short_columns_take_turns_on_a_folding_fan(n: int) -> None:
+    mesh, found, squares = laid("fan", "一" * n, signature=7)
+    lengths = [len(line) for line in found.lines]
+    assert len(set(lengths[::2])) == 1
+    assert len(set(lengths[1::2])) == 1
+    assert lengths[1] < lengths[0]
+    assert [len(line) for line in lines_of(squares)] == lengths
+    apex = writing_areas(mesh, False)[0].apex
+    arms = [np.linalg.norm(line[0].chart.frame.origin - apex) for line in lines_of(squares)]
+    assert np.ptp(arms) < 0.02 * found.em_mm  # they hang from one arc
+
+
+def test_a_short_last_column_has_the_signature_below_it_wherever_one_fits() -> None:
+    """It was asked with the least distance of characters, and a hole stayed below them."""
+    for form, n in (("square", 28), ("square", 10), ("a4", 10), ("album", 28)):
+        mesh, found, squares = laid(form, "一" * n, signature=7)
+        assert len(found.lines[-1]) < len(found.lines[0])
+        beside = sign_beside(mesh, squares, 7)
+        last = middles(squares)[-1]
+        assert beside.point[0] == pytest.approx(last[0], abs=0.1)
+        assert beside.seal_point[1] > middles(squares)[:, 1].min() - 0.5 * found.em_mm
+        top = beside.point[1] + 0.5 * 7 * beside.em_mm
+        assert top < last[1] - 0.8 * found.em_mm  # it does not touch what stands above
+
+
 @pytest.mark.parametrize("order", ["columns", "row"])
 @pytest.mark.parametrize("form", FORMS)
 def test_given_distances_hold(form: str, order: str) -> None:
