@@ -393,6 +393,23 @@ def test_hardly_a_place_at_the_rim_stays_bare_alone() -> None:
     assert bare <= 2
 
 
+def test_cells_of_two_sizes_beside_each_other_do_not_show_in_a_wash() -> None:
+    """Where vertices alternate between four and eight neighbours, no lattice is seen."""
+    surface = PaintedSurface(grid(24.0, 4.0), 0.65, "xuan")
+    surface.refine_all()
+    drop(drop(surface, 0.12, 9.0), 1.2, 9.0, ink="water").diffuse(12.0)
+    drop(surface, 6.0, 2.0, ink="water").diffuse(10.0)
+    ink, _, mean = around(surface)
+    graph = surface.flow_graph
+    n = graph.n_nodes
+    inside = np.linalg.norm(graph.points[:n, :2], axis=1) < 8.0
+    links = graph.last[:n] - graph.first[:n]
+    assert set(links[inside]) == {4, 8}
+    for count in (4, 8):
+        some = inside & (links == count)
+        assert abs(np.mean(ink[some] / mean[some]) - 1.0) < 0.006
+
+
 def test_water_from_all_sides_gets_into_a_spot_of_glue() -> None:
     """Along a border of glue it is held; a single place amid a wash is filled."""
     surface = PaintedSurface(grid(12.0, 0.4), None, SMOOTH)

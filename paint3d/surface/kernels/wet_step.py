@@ -413,9 +413,12 @@ def _carry(f, rows, n_rows, n_ids, work):
                     f.loose[i, p] -= share * loose
                     f.pigment[i, p] -= share * (coarse + fine + loose)
                 fine, loose = flux * coming[r, 2 + 3 * p], flux * coming[r, 3 + 3 * p]
-                catches = min(1.0, f.sticks[p] * f.catch[j] * within)
+                held = min(1.0, f.sticks[p] * f.catch[j])
+                catches = min(1.0, held * within)
+                between = 0.5 * (held + catches)  # so wide cells beside narrow ones do not show
                 coming[k, 2 + 3 * p] += (1.0 - catches) * fine
-                rate = _SLIPS * catches * (6.0 - catches) / (6.0 - 4.0 * catches)  # -ln(1 - catches)
+                # -ln(1 - held), by Pade
+                rate = _SLIPS * within * held * (6.0 - between) / (6.0 - 4.0 * between)
                 slips = rate / (1.0 + 0.5 * rate)
                 coming[k, 3 + 3 * p] += (1.0 - slips) * loose
                 caught = catches * fine + slips * loose
