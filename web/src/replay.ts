@@ -76,7 +76,7 @@ async function repeat(studio: Studio, path: string, own?: string, wanted?: Wante
   if (about === undefined || ink === undefined) throw new Error(`${path}: the page has none of it`);
   const bundle = own === undefined ? null : await ownObject(own, resolution, wanted);
   const document = await Document.open(studio, about, head.brush as string, ink.name, head.material as string, bundle);
-  await document.repeat(studio, text, async () => {});
+  await document.repeat(studio, text, () => {});
   return { ...hashes(document.surface), ledger: document.painter.ledger() };
 }
 
