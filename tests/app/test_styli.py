@@ -501,15 +501,23 @@ class PadLink:
 
     def __init__(self) -> None:
         self.place, self.flags, self.is_closed = (100.0, 50.0), NEAR, False
+        self._said = self.place, 0, 0  # from when on, and when last, ns
+
+    def put(self, place: tuple[float, float], flags: int) -> None:
+        """Put the pen elsewhere, and wait until the pad has said so for a while."""
+        self.place, self.flags = place, flags
+        wait_for(lambda: self._said[0] == place and self._said[2] - self._said[1] > 150e6)
 
     def read(self, timeout_ms: int) -> list[tuple[int, bytes]]:
         time.sleep(0.005)
-        x, y = self.place
+        place, now_ns = self.place, time.monotonic_ns()
+        self._said = place, self._said[1] if self._said[0] == place else now_ns, now_ns
+        x, y = place
         said = struct.pack(
             "<BBHHHHbbH", 7, self.flags, round(100 * x), round(100 * (100.0 - y)), 0,
             4000 * (self.flags & TIP), 0, 0, 0,
         )  # fmt: skip
-        return [(time.monotonic_ns(), said)]
+        return [(now_ns, said)]
 
     def write(self, report: bytes) -> None:
         raise AssertionError(report)
@@ -549,8 +557,7 @@ def touch(pad_window, link, corner, by: str) -> None:
         pad_window.panels.devices.stylus,
         pad_window.panels.devices.stylus.message_label.text(),
     )
-    link.place, link.flags = corner, NEAR | TIP
-    live(0.15)
+    link.put(corner, NEAR | TIP)
     if by == "the pen's button":
         link.flags |= BARREL
     else:
