@@ -875,6 +875,7 @@ def test_the_page_turns_the_object_while_a_long_stroke_is_painted(
     before = picture(browser, tmp_path / "before.png")
     browser.stroke(wave(380.0, 360.0, 60.0)[:8], lifts=False)
     browser.evaluate(  # more than the painter can have done soon, said at once
+        "window.coalesced = PointerEvent.prototype.getCoalescedEvents;"
         "PointerEvent.prototype.getCoalescedEvents = function () { return Array.from("
         "{ length: 6000 }, (_, k) => ({ timeStamp: this.timeStamp + k, pointerType: 'pen',"
         " clientX: 440 + 60 * Math.cos(k / 50), clientY: 380 + 40 * Math.sin(k / 40),"
@@ -883,7 +884,7 @@ def test_the_page_turns_the_object_while_a_long_stroke_is_painted(
     pen = {"pointerType": "pen", "button": "left", "buttons": 1, "force": 0.4}
     browser.call("Input.dispatchMouseEvent", type="mouseMoved", x=444.0, y=381.0, **pen)
     browser.evaluate(
-        "delete PointerEvent.prototype.getCoalescedEvents;"
+        "PointerEvent.prototype.getCoalescedEvents = window.coalesced;"
         "window.painted = false; paint3d.score().then(() => (window.painted = true)); 0"
     )
     turning = {"button": "right", "buttons": 2, "pointerType": "mouse"}
@@ -907,6 +908,7 @@ def test_what_a_pen_is_thought_to_do_is_drawn_and_not_painted(
     settled(browser)
     before = picture(browser, tmp_path / "before.png")
     browser.evaluate(
+        "window.predicted = PointerEvent.prototype.getPredictedEvents;"
         "PointerEvent.prototype.getPredictedEvents = function () { return [1, 2, 3].map(k => ({"
         " timeStamp: this.timeStamp + 8 * k, clientX: this.clientX + 30 * k,"
         " clientY: this.clientY, pressure: 0.8 })); };"
@@ -918,7 +920,7 @@ def test_what_a_pen_is_thought_to_do_is_drawn_and_not_painted(
     settled(browser)
     drawn = before - picture(browser, tmp_path / "drawn.png") > 40.0
     browser.evaluate(
-        "delete PointerEvent.prototype.getPredictedEvents;"
+        "PointerEvent.prototype.getPredictedEvents = window.predicted;"
         "Worker.prototype.postMessage = window.post; for (const one of late) one(); 0"
     )
     up = {"button": "left", "buttons": 0, "force": 0.0, "pointerType": "pen", "clickCount": 1}
