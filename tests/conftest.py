@@ -63,6 +63,7 @@ _FIRST = (
 )
 pytest_plugins = (
     "tests.support.plugged",
+    "tests.support.less_work",
     "tests.support.lights",
     "tests.support.found_sheets",
     "tests.support.fonts",

@@ -4,7 +4,8 @@ Columns run from the right, as many as let the characters be largest without muc
 They stand farther apart than the characters of one, so that the text reads down them; what is left
 stays bare, above a little more than below. A signature (落款) in smaller characters stands below
 the last column where that is shorter than the others, else left of it, in its lower part, within
-the margin; a seal, about as wide as its ink, stands below.
+the margin; a seal, about as wide as its ink, stands below. On a folding fan, whose ribs meet,
+long columns and short ones take turns: the short ones end where there is no place between the long.
 """
 
 from __future__ import annotations
@@ -29,7 +30,16 @@ from paint3d.mesh.sheet_mesh import fan_of, make_sheet, paper_bounds, sheet_of, 
 from paint3d.mesh.sheets import Sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Composition", "Signing", "compose", "lines_of", "place_on", "seal_below", "sign_beside"]
+__all__ = [
+    "Composition",
+    "Signing",
+    "compose",
+    "lines_of",
+    "place_on",
+    "seal_below",
+    "sign_beside",
+    "stands_in_squares",
+]
 
 _GAP, _BETWEEN = 0.2, 0.0  # ems: the least between columns, and between characters of one
 _BARE = 0.09  # ems on either side of a character that its ink leaves bare: they may lie in margins
@@ -45,12 +55,14 @@ _SIGNATURE, _OF_WIDTH = 0.35, 1.0 / 10.0  # of the characters' size, of the pape
 _SIGNED_COLUMN, _AWAY = 1.8, 0.9  # of a signature's characters: its column; from the text's ink
 _SIGNED_BETWEEN, _TO_SEAL, _SEAL = 0.0, 0.4, 0.85  # of a signature's characters
 _SIGNED_LENGTH = 0.85  # of the text's columns, at most
-_LEAST_BELOW, _BELOW = 0.24, 0.4  # ems: a signature below the last column; from that to it
+_LEAST_BELOW, _BELOW = 0.19, 0.35  # ems: a signature below the last column; from that to it
 _LEAST_SIGNATURE_MM, _LEAST_SHARE = 4.0, 0.1
 _LEAST_SEAL_MM = 4.0
 _STEP_MM, _OFF_MM, _FARTHEST_MM, _TRIALS = 2.0, 0.01, 2000.0, 4
 _HEAD_ON_FAN = 0.15  # ems from the upper margin of a fan
 _WIDEST_ON_FAN = 0.8  # ems between columns, in the middle of their length
+_IN_TURN_FROM, _EVEN_ON_FAN = 8, 0.8  # characters: long and short columns; of the size: even ones
+_HALVINGS = 30
 
 
 @dataclass(frozen=True)
@@ -109,9 +121,9 @@ def compose(
     InputError
         If the text is empty, or so long that its characters would be too small to write.
     """
-    verses = split_text("".join("\n" if _is_mark(one) else one for one in text))
-    if not all(unicodedata.east_asian_width(one) in "WF" for one in "".join(verses)):
+    if not stands_in_squares(text):
         return None
+    verses = _verses_of(text)
     asked = _Asked(
         sheet,
         order == "columns",
@@ -145,6 +157,22 @@ def place_on(sheet: Sheet, point: Sequence[float]) -> tuple[float, float]:
     return u, v
 
 
+def stands_in_squares(text: str) -> bool:
+    """Whether all letters of a text, marks apart, are those that are written in squares.
+
+    Raises
+    ------
+    InputError
+        If the text is empty.
+    """
+    letters = "".join(_verses_of(text))
+    return all(unicodedata.east_asian_width(letter) in "WF" for letter in letters)
+
+
+def _verses_of(text: str) -> list[str]:
+    return split_text("".join("\n" if _is_mark(one) else one for one in text))
+
+
 def _is_mark(character: str) -> bool:
     """Whether it is punctuation, which calligraphers do not write: it ends a verse."""
     return unicodedata.category(character)[0] == "P"
@@ -162,8 +190,38 @@ class _Asked:
 
 
 def _best(asked: _Asked, verses: Sequence[str]) -> Composition:
-    found = [(liked, *_fitted(asked, lines)) for lines, liked in _ways_to_break(verses)]
+    ways = list(_ways_to_break(verses))
+    if asked.columns and asked.sheet.usual.shape == "sector":
+        ways = [(lines, liked * _on_ribs(lines)) for lines, liked in ways]
+        ways += _ways_in_turn("".join(verses), asked.sheet)
+    found = [(liked, *_fitted(asked, lines)) for lines, liked in ways]
     return max(found, key=lambda one: one[0] * one[1])[2]
+
+
+def _on_ribs(lines: Sequence[str]) -> float:
+    """How well columns of one length are liked on a folding fan."""
+    few = sum(map(len, lines)) < _IN_TURN_FROM
+    return 1.0 if few or max(map(len, lines)) == 1 else _EVEN_ON_FAN
+
+
+def _ways_in_turn(text: str, sheet: Sheet) -> Iterator[tuple[list[str], float]]:
+    """A text in long and short columns by turns; and how well that is liked."""
+    fan = fan_of(sheet)
+    most = int(2.0 * fan.half_opening * fan.outer / _LEAST_MM)  # columns
+    longest = min(len(text) // 2 - 1, int(sheet.height_mm / _LEAST_MM))
+    for long in range(2, longest + 1 if len(text) >= _IN_TURN_FROM else 0):
+        for short in range(1, long // 2 + 1):
+            if 2 * len(text) > most * (long + short):
+                continue
+            lines: list[str] = []
+            at = 0
+            while at < len(text):
+                rows = (long, short)[len(lines) % 2]
+                lines.append(text[at : at + rows])
+                at += rows
+            whole = at == len(text)
+            if len(lines) > 2 and (whole or len(lines[-1]) > len(lines[-2])):
+                yield lines, 1.0 if whole else _PARTED
 
 
 def _on_panels(asked: _Asked, verses: list[str]) -> Composition:
@@ -219,7 +277,7 @@ def _signature_mm(em: float, whole: float, length: float) -> float:
 
 def _below_mm(em: float, whole: float, blank: float) -> float | None:
     """The size of a signature below a column that is shorter by a length, mm; None: no room."""
-    size = min(_SIGNATURE * em, (blank - _BELOW * em) / whole)
+    size = min(_SIGNATURE * em, (blank - (_BELOW + _BARE) * em) / whole)
     return size if size >= _LEAST_BELOW * em else None
 
 
@@ -254,17 +312,21 @@ def _on_rectangle(asked: _Asked, lines: list[str]) -> _Fit:
     )
     while best is None or em > best.worth:
         bare = [-0.5 * _BARE * em if in_halves else min(_BARE * em, edge) for edge in margins]
+        long = along + 2.0 * bare[1]
         signature = 0.0
-        blank = (rows - len(lines[-1])) * em * (1.0 + least)
-        if asked.signature and (n == 1 or _below_mm(em, asked.signature, blank) is None):
-            size = _signature_mm(em, asked.signature, em * (rows + (rows - 1) * least))
-            signature = _SIGNED_COLUMN * min(size, _OF_WIDTH * min(sheet.size))
-            if in_halves:  # it may lie in the margin there, and the other side is as wide
-                signature = 2.0 * max(0.0, signature - 0.6 * margins[0])
-        wide, long = across + 2.0 * bare[0] - signature, along + 2.0 * bare[1]
-        gap = _spread(wide, em, n, *asked.gap)
-        closest = most if least == most or n == 1 else max(least, min(most, _CLOSER * gap))
-        between = _spread(long, em, rows, least, closest)
+        for is_below in (True, False):
+            if not is_below:
+                size = _signature_mm(em, asked.signature, em * (rows + (rows - 1) * least))
+                signature = _SIGNED_COLUMN * min(size, _OF_WIDTH * min(sheet.size))
+                if in_halves:  # it may lie in the margin there, and the other side is as wide
+                    signature = 2.0 * max(0.0, signature - 0.6 * margins[0])
+            wide = across + 2.0 * bare[0] - signature
+            gap = _spread(wide, em, n, *asked.gap)
+            closest = most if least == most or n == 1 else max(least, min(most, _CLOSER * gap))
+            between = _spread(long, em, rows, least, closest)
+            blank = (rows - len(lines[-1])) * em * (1.0 + between)
+            if not asked.signature or (n > 1 and _below_mm(em, asked.signature, blank) is not None):
+                break
         free = wide - em * (n + (n - 1) * gap), long - em * (rows + (rows - 1) * between)
         if min(free) >= -1e-6 * em:
             worth = em * math.prod(1.0 - _BARE_COSTS * np.array(free) / (wide, long))
@@ -298,11 +360,31 @@ def _on_fan(asked: _Asked, lines: list[str]) -> _Fit:
     aside, along = (asked.gap, asked.between) if columns else (asked.between, asked.gap)
     long = rows + (rows - 1) * along[0]
     signed = _SIGNED_COLUMN * _SIGNATURE if asked.signature and columns else 0.0
-    # columns touch where they are nearest to the apex
-    em = opening * outer / (n + (n - 1) * aside[0] + signed + opening * (long + _HEAD_ON_FAN))
-    em = min(em, (outer - inner) / (long + 2.0 * _HEAD_ON_FAN))
-    lower = outer - em * (long + _HEAD_ON_FAN)
-    middle = lower + 0.5 * em * long
+    lengths = list(map(len, lines)) if columns else [rows] * n
+    # columns touch where they are nearest to the apex: neighbours, and those beside a shorter one
+    beside = max(map(min, pairwise(lengths)), default=0)
+    beyond = max(map(min, zip(lengths, lengths[2:], strict=False)), default=0)
+
+    def pitch_of(em: float) -> float:
+        """The least angle between two columns."""
+        head = _HEAD_ON_FAN - along[0]
+        near, far = (outer - em * (k * (1.0 + along[0]) + head) for k in (beside, beyond))
+        return em * (1.0 + aside[0]) * max(1.0 / min(near, middle_of(em)), 0.5 / far)
+
+    def middle_of(em: float) -> float:
+        return outer - em * (0.5 * long + _HEAD_ON_FAN)
+
+    def fits(em: float) -> bool:
+        lower = outer - em * (long + _HEAD_ON_FAN)
+        return (n - 1) * pitch_of(em) + (1.0 + signed) * em / lower <= opening
+
+    em, most = 0.0, (outer - inner) / (long + 2.0 * _HEAD_ON_FAN)
+    if fits(most):
+        em = most
+    else:
+        for k in range(1, _HALVINGS):
+            em += 0.5**k * most if fits(em + 0.5**k * most) else 0.0
+    lower, middle = outer - em * (long + _HEAD_ON_FAN), middle_of(em)
     signature = signed * em / lower  # an angle, as that of a pitch
     pitch = (opening - signature - em / lower) / (n - 1) if n > 1 else 0.0
     widest = aside[1] if aside[0] == aside[1] else _WIDEST_ON_FAN  # equal where it is given
@@ -439,7 +521,8 @@ def sign_beside(
     if below is not None:
         size = min(size, below)
         start = (len(last) - 1) * pitch + (0.5 + _BELOW) * em
-        end = min(end, max(start + whole * size, 0.7 * end))
+        lowest = length - (0.5 + _BARE) * em
+        end = min(lowest, max(start + whole * size, 0.7 * end))
     else:
         inked = (0.5 - _BARE) * em
         free = paper.room(first.origin + inked * aside, aside)

@@ -13,7 +13,7 @@ import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -687,7 +687,11 @@ class _Grid:
         pitch = self.pitch.copy()
         if self.layout.around:
             pitch[0] = self.right.length / wide
-        sample = [_Cell("", x, y) for x in range(min(wide, 2)) for y in {0, 1, tall - 1} - {tall}]
+        deepest = tall  # that two neighbours reach: long columns and short ones may take turns
+        if self.layout.order == "columns" and wide > 2:
+            deepest = max(map(min, pairwise(map(len, lines))))
+        rows = {0, min(1, deepest - 1), deepest - 1}
+        sample = [_Cell("", x, y) for x in range(min(wide, 2)) for y in sorted(rows)]
         while self._has_room(shape, pitch) and pitch.max() <= widest * self.em_mm * self._loose:
             try:
                 apart = self._overlaps(sample, self._place_cells(sample, shape, pitch), wide)

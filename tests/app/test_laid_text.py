@@ -33,12 +33,13 @@ from tests.support.app.gestures import (
     wait_for,
 )
 from tests.support.app.windows import opened, pretend_saved, settled
+from tests.support.cases import long_but
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 
 
 @pytest.fixture(scope="module")
-def window(program):
+def window(program, nothing_planned_ahead):
     """A window with a sheet in it."""
     with opened(program, "sheet:200x260", 1.5, "xuan", drawn=False) as window:
         yield window
@@ -95,7 +96,7 @@ def text_of(window) -> LaidText:
     return text
 
 
-@pytest.mark.parametrize("by", ["mouse", "pen"])
+@pytest.mark.parametrize("by", long_but(["pen"], ["mouse", "pen"]))
 def test_a_text_is_dragged_and_one_undo_takes_it_back(window, by: str) -> None:
     lay(window, "永和\n九年", 30.0)
     before = origins(window)
@@ -252,6 +253,31 @@ def test_a_signature_is_laid_smaller_to_the_left_and_written_in_another_ink(wind
     assert 8.0 <= signature.em_mm <= 16.0
     assert origins(window)[:, 0].max() < main[:, 0].min() - 20.0
     assert not window.copying.mover.is_on  # it lies where it belongs
+
+
+def test_letters_are_proposed_in_a_row_and_squares_without_a_text(window) -> None:
+    panel = window.panels.copybook
+    for text, in_columns in (("Anna", False), ("永和，九年", True), ("Anna 永", False)):
+        panel.text.setPlainText(text)
+        assert panel.direction.currentData() is in_columns
+        assert not panel.across.isEnabled()
+    panel.text.setPlainText(" ")
+    assert panel.across.isEnabled()
+    panel.direction.setCurrentIndex(panel.direction.findData(True))
+    panel.direction.activated.emit(panel.direction.currentIndex())
+    panel.text.setPlainText("Anna")
+    assert panel.direction.currentData() is True  # as it was chosen
+
+
+def test_the_panel_begins_anew_with_a_painting_and_leaves_no_signature(window) -> None:
+    panel = window.panels.copybook
+    panel.show_values(LaidText("丙午年冬李明書", 12.0, grid="none", is_signature=True))
+    panel.begin_anew(on_sheet=True)
+    assert (panel.text.text(), panel.em.value()) == ("永和九年", 40.0)
+    assert panel.grid_box.currentData() == "frame"
+    panel.show_values(LaidText("靜夜思", 55.0))
+    panel.begin_anew(on_sheet=True)
+    assert (panel.text.text(), panel.em.value()) == ("靜夜思", 40.0)
 
 
 @pytest.mark.parametrize(
@@ -424,8 +450,8 @@ def test_texts_come_back_after_a_crash(tmp_path) -> None:
     document = Document.new("plane", 4.0, "xuan")
     folder = RecoveryFolder(document, tmp_path)
     paint_thread = PaintThread(document, recovery=folder)
-    paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(60)
-    paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(60)
+    paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(300)
+    paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(300)
     paint_thread.stop(keep=True)
     recovered = recoverable(tmp_path)[0].recover().document
     assert recovered.texts == (LaidText("永和", 24.0, turn=20.0),)

@@ -95,6 +95,11 @@ def test_a_panel_gets_the_height_that_it_needs_where_its_tab_is_clicked(window) 
     click_tab(window, "Hand")
     click_tab(window, "Inks")
     wait_for(lambda: inks.widget().verticalScrollBar().maximum() == 0)
+    click_tab(window, "Text and seal")
+    wait_for(lambda: copybook.height() > before + 200)
+    low = inks.height()
+    click_tab(window, "Inks")  # which is shown already
+    wait_for(lambda: inks.height() > low + 50)
 
 
 def button(panel, text: str) -> QtWidgets.QPushButton:

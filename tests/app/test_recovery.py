@@ -501,7 +501,7 @@ def test_it_ends_with_what_still_waits_to_be_written(tmp_path, monkeypatch):
     ends.start()
     ends.join(0.1)  # the end waits in the queue, behind the last command
     go_on.set()
-    ends.join(60.0)
+    ends.join(300.0)
     assert not ends.is_alive()
     (unfinished,) = recoverable(tmp_path)
     assert unfinished.recover().document.tags == {"event": 1}

@@ -23,6 +23,7 @@ from paint3d.errors import InputError
 from paint3d.files.project.session import load_session, save_session
 from tests.support.app.hands import paint, same_vertices, small_plane
 from tests.support.app.repeating import repeated
+from tests.support.examples import examples
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
@@ -345,8 +346,14 @@ DAMAGE = {
 }
 
 
+@pytest.fixture(scope="module")
+def whole(saved):
+    """The surface that is read of it where nothing is damaged."""
+    return Document.open(saved).surface
+
+
 @pytest.mark.parametrize("name", DAMAGE)
-def test_damaged_steps_are_dropped_and_the_painting_is_kept(saved, tmp_path, name):
+def test_damaged_steps_are_dropped_and_the_painting_is_kept(saved, whole, tmp_path, name):
     where, damage, message = DAMAGE[name]
     session = load_session(saved)
     history = {**session.history, "steps": dict(session.history["steps"])}
@@ -357,17 +364,17 @@ def test_damaged_steps_are_dropped_and_the_painting_is_kept(saved, tmp_path, nam
     opened = Document.open(tmp_path / "a.p3d")
     assert re.search(message, opened.refused_history)
     assert "\n" not in opened.refused_history
-    same_vertices(opened.surface, Document.open(saved).surface)
+    same_vertices(opened.surface, whole)
     assert not opened.steps.done
     paint(opened, (-20, 0), (20, 0))
     opened.undo()
-    same_paint(opened.surface, Document.open(saved).surface)
+    same_paint(opened.surface, whole)
 
 
 def test_random_damage_never_ends_in_anything_but_a_clear_word(saved, tmp_path):
     """Numbers of the steps are changed here and there, and everything is undone and done again."""
     chance = np.random.default_rng(7)
-    for _ in range(12):
+    for _ in range(examples(12)):
         session = load_session(saved)
         steps = {k: np.array(v) if isinstance(v, np.ndarray) else v
                  for k, v in session.history["steps"].items()}  # fmt: skip

@@ -511,17 +511,19 @@ def test_a_painting_that_is_reopened_is_not_said_to_be_open_elsewhere(window, tm
     assert "another window" not in window.status.message_label.text()
 
 
-def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(program) -> None:
+def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(
+    program, monkeypatch
+) -> None:
     """On a large wet sheet every 3 s of the painting's work wrote 155 MB."""
     with opened(program, resolution=2.0, drawn=False) as window:
         paints = window.stage.paint_thread
         paints.set_autosave_interval(1e9)
         first = paints.recovery.number
 
+        worked = time.thread_time
+
         def work(document: object) -> None:
-            until = time.thread_time() + 3.2
-            while time.thread_time() < until:
-                pass
+            monkeypatch.setattr(time, "thread_time", lambda: worked() + 3.2)
 
         paints.post(work).result(300)
         for y in (0.45, 0.55):

@@ -525,7 +525,8 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     monkeypatch.undo()
     wait_for(empty.begin_page.isVisible)
     texts = [button.text() for button in empty.begin_page.buttons]
-    assert texts[:4] == ["A bowl", "A sheet of paper", "New painting…", "Open…"]
+    assert texts[:3] == ["A bowl", "A sheet of paper", "Another sheet or object…"]
+    assert texts[3] == "An object of your own, or a painting…"
     for name, action in empty.workspace.actions.items():
         assert action.isEnabled() == COMMANDS[name].always, name
         if not COMMANDS[name].always:

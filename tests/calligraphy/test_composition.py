@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import product
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.sheet_mesh import make_sheet, writing_areas
 from paint3d.mesh.sheets import parse_sheet
+from tests.support.cases import long_but
 
 POEM = "床前明月光\n疑是地上霜\n舉頭望明月\n低頭思故郷"
 FORMS = ("scroll", "couplet", "square", "horizontal", "fan", "round-fan", "album", "a4")
@@ -41,8 +43,10 @@ def middles(squares) -> np.ndarray:
     return np.array([square.chart.frame.origin for square in squares])
 
 
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("text", [POEM, "寧靜致遠", "永"])
+@pytest.mark.parametrize(
+    ("form", "text"),
+    long_but(product(FORMS, [POEM, "永"]), product(FORMS, [POEM, "寧靜致遠", "永"])),
+)
 def test_text_fills_a_sheet_and_stays_within_it(form: str, text: str) -> None:
     mesh, found, squares = laid(form, text)
     assert "".join(found.lines) == text.replace("\n", "")
@@ -75,8 +79,10 @@ def test_marks_end_verses_and_letters_that_stand_in_lines_are_not_composed() -> 
     assert compose(parse_sheet("scroll"), "Hello") is None
 
 
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("text", [POEM, "寧靜致遠"])
+@pytest.mark.parametrize(
+    ("form", "text"),
+    long_but(product(FORMS, [POEM]), product(FORMS, [POEM, "寧靜致遠"])),
+)
 def test_signature_and_seal_stand_apart_from_the_text_on_the_paper(form: str, text: str) -> None:
     mesh, found, squares = laid(form, text, signature=7)
     surface = ClosestPoints(mesh)
@@ -150,6 +156,32 @@ def test_a_signature_stands_below_a_last_column_that_is_short() -> None:
     assert beside.point[1] < last[1]
 
 
+@pytest.mark.parametrize("n", [8, 28, 56])
+def test_long_and_short_columns_take_turns_on_a_folding_fan(n: int) -> None:
+    mesh, found, squares = laid("fan", "一" * n, signature=7)
+    lengths = [len(line) for line in found.lines]
+    assert len(set(lengths[::2])) == 1
+    assert len(set(lengths[1::2])) == 1
+    assert lengths[1] < lengths[0]
+    assert [len(line) for line in lines_of(squares)] == lengths
+    apex = writing_areas(mesh, False)[0].apex
+    arms = [np.linalg.norm(line[0].chart.frame.origin - apex) for line in lines_of(squares)]
+    assert np.ptp(arms) < 0.02 * found.em_mm  # they hang from one arc
+
+
+def test_a_short_last_column_has_the_signature_below_it_wherever_one_fits() -> None:
+    """It was asked with the least distance of characters, and a hole stayed below them."""
+    for form, n in (("square", 28), ("square", 10), ("a4", 10), ("album", 28)):
+        mesh, found, squares = laid(form, "一" * n, signature=7)
+        assert len(found.lines[-1]) < len(found.lines[0])
+        beside = sign_beside(mesh, squares, 7)
+        last = middles(squares)[-1]
+        assert beside.point[0] == pytest.approx(last[0], abs=0.1)
+        assert beside.seal_point[1] > middles(squares)[:, 1].min() - 0.5 * found.em_mm
+        top = beside.point[1] + 0.5 * 7 * beside.em_mm
+        assert top < last[1] - 0.8 * found.em_mm  # it does not touch what stands above
+
+
 @pytest.mark.parametrize("order", ["columns", "row"])
 @pytest.mark.parametrize("form", FORMS)
 def test_given_distances_hold(form: str, order: str) -> None:
@@ -161,7 +193,7 @@ def test_given_distances_hold(form: str, order: str) -> None:
     assert compose(sheet, POEM, order, between=0.3).between == 0.3
 
 
-@pytest.mark.parametrize("form", ["a4", "couplet", "fan"])
+@pytest.mark.parametrize("form", long_but(["a4", "fan"], ["a4", "couplet", "fan"]))
 def test_a_text_too_long_for_a_sheet_is_refused_with_what_would_fit(form: str) -> None:
     sheet = parse_sheet(form)
     with pytest.raises(InputError, match="60000 characters would fill") as told:

@@ -95,7 +95,7 @@ def table(*papers: tuple[int, int, int, int], framed: bool = False) -> np.ndarra
 FOUR = ((60, 40, 400, 320), (480, 50, 840, 330), (70, 380, 410, 660), (490, 370, 830, 650))
 
 
-@pytest.mark.parametrize("n", long_but([1, 2], [1, 2, 4]))
+@pytest.mark.parametrize("n", long_but([2], [1, 2, 4]))
 def test_every_sheet_in_a_picture_is_named(n: int) -> None:
     pixels = table(*FOUR[:n])
     found = find_sheets(pixels)

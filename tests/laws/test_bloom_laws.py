@@ -365,14 +365,19 @@ def test_grains_as_wide_as_the_pores_of_clay_pass_those_of_paper(material, least
 
 
 def around(surface: PaintedSurface) -> tuple[NDArray, NDArray, NDArray]:
-    """Nodes' ink (N,), what share of the ways around each leads to ink, and the mean there."""
+    """Nodes' ink (N,), the fraction of links from each to inked nodes, and the mean ink there.
+
+    A node of which less than half is wet is none: the front as it is drawn runs inside of it.
+    """
     graph = surface.flow_graph
     n, links = graph.n_nodes, slice(graph.n_links)
-    first = np.searchsorted(graph.node_of[: graph.n_places], np.arange(n))
-    ink = everything(surface)[graph.vertices[first]]
-    owner, there, weights = graph.owner[links], ink[graph.links[links]], graph.weights[links]
+    first = graph.vertices[np.searchsorted(graph.node_of[: graph.n_places], np.arange(n))]
+    ink, within = everything(surface)[first], surface.share_painted()[first] >= 0.5
+    there = graph.links[links]
+    owner, inked, there = graph.owner[links], within[there] & (ink[there] > 1e-3), ink[there]
+    weights = graph.weights[links]
     total = np.maximum(np.bincount(owner, weights, n), 1e-12)
-    share = np.bincount(owner, weights * (there > 1e-3), n) / total
+    share = np.bincount(owner, weights * inked, n) / total
     return ink, share, np.bincount(owner, weights * there, n) / total
 
 
@@ -386,6 +391,23 @@ def test_hardly_a_place_at_the_rim_stays_bare_alone() -> None:
         ink, share, _ = around(surface)
         bare += np.count_nonzero((ink < 1e-5) & (share > 0.7))
     assert bare <= 2
+
+
+def test_cells_of_two_sizes_beside_each_other_do_not_show_in_a_wash() -> None:
+    """Where vertices alternate between four and eight neighbours, no lattice is seen."""
+    surface = PaintedSurface(grid(24.0, 4.0), 0.65, "xuan")
+    surface.refine_all()
+    drop(drop(surface, 0.12, 9.0), 1.2, 9.0, ink="water").diffuse(12.0)
+    drop(surface, 6.0, 2.0, ink="water").diffuse(10.0)
+    ink, _, mean = around(surface)
+    graph = surface.flow_graph
+    n = graph.n_nodes
+    inside = np.linalg.norm(graph.points[:n, :2], axis=1) < 8.0
+    links = graph.last[:n] - graph.first[:n]
+    assert set(links[inside]) == {4, 8}
+    for count in (4, 8):
+        some = inside & (links == count)
+        assert abs(np.mean(ink[some] / mean[some]) - 1.0) < 0.006
 
 
 def test_water_from_all_sides_gets_into_a_spot_of_glue() -> None:

@@ -116,7 +116,7 @@ def evaporate(wet, f, rest, drying, inside, dried, still_wet):
 
 @kernel(error_model="numpy")
 def ease_entries(nodes, f, dry_entry):
-    """Let water get into what is dry the more easily the more of what lies around it is wet.
+    """Let water get into what is dry the more easily the more of what lies around it is fuller.
 
     Menisci that come from several sides meet in a pore, and fill it at less than each would need
     (cooperative filling: Cieplak, Robbins, *Phys. Rev. Lett.* 60, 2042, 1988). So no single place
@@ -138,8 +138,7 @@ def ease_entries(nodes, f, dry_entry):
         wet, total = 0.0, 0.0
         for e in range(first[i], last[i]):
             total += weights[e]
-            if f.soaked[links[e]] >= 1.0:
-                wet += weights[e]
+            wet += weights[e] * max(f.soaked[links[e]] - f.soaked[i], 0.0) / (1.0 - f.soaked[i])
         if total > 0.0:
             entry[i] = dry_entry[i] * min(max((_FILLS - wet / total) / (_FILLS - _NOTCH), 0.0), 1.0)
 

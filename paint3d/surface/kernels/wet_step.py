@@ -31,10 +31,11 @@ __all__ = ["TOO_LITTLE_ROOM", "Absorption", "WetFields", "Workspace", "move_wate
 TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
-_SLIPS = 0.06  # of the rate at which pores catch fine pigment: that at which they catch loose
+_SLIPS = 0.08  # of the rate at which pores catch fine pigment: that at which they catch loose
 _DISPERSES = 0.1, 0.4  # mm: in pores and as a film; water that runs so far mixes over as far
 _MIXES = 0.06  # of a node's water, at most, that it exchanges with one of up to 8 others in a step
 _CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest
+_THINNEST = 1e-6  # mm, of what fills a cell: coarse grain leaves some none
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -77,6 +78,7 @@ class Absorption(NamedTuple):
     film: float  # diffusivity of a film on them, mm2/s
     passing: float  # speed of coarse soot over that of the water where pores let it pass, 0 to 1
     pores: float  # depth of the pores, mm: a film as deep on them floats half of their pigment
+    opens: float  # of a cell's entry potential: that at which its widest pores fill, 0 to 1
 
 
 class Workspace(NamedTuple):
@@ -103,7 +105,9 @@ class _Rows(NamedTuple):
     inverse: NDArray  # (R,) float64, 1 / (capacity - residual_depth)
     strength: NDArray  # (R,) float64
     sieve: NDArray  # (R,) float64
-    entry: NDArray  # (R + ring,) float64
+    entry: NDArray  # (R + ring,) float64, for the next water
+    to_fill: NDArray  # (R + ring,) float64, that which its last pores take
+    filling: NDArray  # (R + ring,) float64, 1 / the depth at which it is full
     before: NDArray  # (R,) float64, depth
     barrier: NDArray  # (R,) float64, the highest entry here and beside: 0 where nothing is stopped
     psi: NDArray  # (R + ring,) float64, now
@@ -122,9 +126,9 @@ def _psi(depth, residual_depth, inverse, strength, film, capacity):
 @kernel(error_model="numpy", inline="always")
 def _make_rows(floats, ints, size, n_links):
     """Rows in memory that is there."""
-    of_nodes = floats[: 10 * size].reshape(10, size)
-    mean = floats[10 * size : 12 * size].reshape(2, size)
-    first = 12 * size
+    of_nodes = floats[: 12 * size].reshape(12, size)
+    mean = floats[12 * size : 14 * size].reshape(2, size)
+    first = 14 * size
     edge_flow = floats[first : first + 2 * n_links].reshape(2, n_links)
     x = floats[first + 2 * n_links : first + 3 * n_links]
     numbers = ints.view(np.uint32)
@@ -132,13 +136,30 @@ def _make_rows(floats, ints, size, n_links):
         ints[:size], ints[size : 2 * size], numbers[2 * size : 3 * size],
         numbers[3 * size : 4 * size + 1], numbers[4 * size + 1 : 4 * size + 1 + n_links], x,
         edge_flow, of_nodes[0], of_nodes[1], of_nodes[2], of_nodes[3], of_nodes[4], of_nodes[5],
-        of_nodes[6], of_nodes[7], of_nodes[8], of_nodes[9], mean,
+        of_nodes[6], of_nodes[7], of_nodes[8], of_nodes[9], of_nodes[10], of_nodes[11], mean,
     )  # fmt: skip
 
 
+@kernel(error_model="numpy", inline="always")
+def _entry_of(to_fill, part, opens):
+    """The entry potential of a cell of which a part is full: its wide pores fill first.
+
+    So a front rests between two nodes, where pressure and pores say, and not on the mesh.
+    """
+    return to_fill * (opens + (1.0 - opens) * min(part, 1.0))
+
+
+@kernel(error_model="numpy", inline="always")
+def _know_entry(f, rows, k, i, opens):
+    """Note what it takes to get into a node, which is the k-th."""
+    rows.to_fill[k], rows.filling[k] = f.entry[i], 1.0 / max(f.entry_depth[i], _THINNEST)
+    rows.entry[k] = _entry_of(f.entry[i], f.water[i] * rows.filling[k], opens)
+
+
 @kernel(error_model="numpy")
-def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
+def _grow(f, rows, n_rows, n_ids, rest, absorption):
     """Give all that have none yet their row; return how many nodes are known now."""
+    capacity, film = absorption.capacity, absorption.film
     end = rows.starts[n_rows]
     known = n_ids
     cols, weight, entry = rows.cols, rows.x, rows.entry
@@ -167,7 +188,7 @@ def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
             if k < 0:
                 k = known
                 rows.ids[k] = j
-                entry[k] = f.entry[j]
+                _know_entry(f, rows, k, j, absorption.opens)
                 f.place[j] = k + 1
                 known += 1
             barrier = max(barrier, entry[np.uint32(k)])
@@ -207,8 +228,9 @@ def _is_shut(f, rows, r):
 
 
 @kernel(error_model="numpy")
-def _count_stages(rows, n_rows, film):
+def _count_stages(rows, n_rows, absorption):
     """How many stages are stable, by the steepest slope of psi that each node can come to."""
+    film, rises = absorption.film, 1.0 - absorption.opens
     stiffest = 0.0  # its third power: that of a slope that grows with psi to 2/3 needs no root
     for r in range(n_rows):
         top = rows.psi[r]
@@ -216,6 +238,7 @@ def _count_stages(rows, n_rows, film):
             top = max(top, rows.psi[rows.cols[e]])
         strength = rows.strength[r]
         slope = 3.0 * strength * rows.inverse[r]
+        slope = max(slope, rises * rows.to_fill[r] * rows.filling[r])
         part = top / strength
         if top >= strength:
             slope, part = max(slope, film), 1.0
@@ -232,8 +255,9 @@ def _fall(own, other, own_entry, other_entry):
 
 
 @kernel(error_model="numpy")
-def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
+def _run_stage(rows, n_rows, stage, n_stages, absorption, come):
     """Bring all potentials to the end of a stage; see the module. `come` (R,) is for work."""
+    capacity, film = absorption.capacity, absorption.film
     now = rows.mean[stage % 2]
     last = rows.mean[1 - stage % 2]
     edge_flow, edge_flow_last = rows.edge_flow[stage % 2], rows.edge_flow[1 - stage % 2]
@@ -259,6 +283,8 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
         come[r] = inflow
     for r in range(n_rows):  # apart, several at once
         depth = rows.before[r] + rows.share[r] * come[r]
+        part = max(depth, 0.0) * rows.filling[r]
+        rows.entry[r] = _entry_of(rows.to_fill[r], part, absorption.opens)
         rows.psi[r] = _psi(
             depth, rows.residual_depth[r], rows.inverse[r], rows.strength[r], film, capacity
         )
@@ -387,10 +413,15 @@ def _carry(f, rows, n_rows, n_ids, work):
                     f.loose[i, p] -= share * loose
                     f.pigment[i, p] -= share * (coarse + fine + loose)
                 fine, loose = flux * coming[r, 2 + 3 * p], flux * coming[r, 3 + 3 * p]
-                catches = min(1.0, f.sticks[p] * f.catch[j] * within)
+                held = min(1.0, f.sticks[p] * f.catch[j])
+                catches = min(1.0, held * within)
+                between = 0.5 * (held + catches)  # so wide cells beside narrow ones do not show
                 coming[k, 2 + 3 * p] += (1.0 - catches) * fine
-                coming[k, 3 + 3 * p] += (1.0 - _SLIPS * catches) * loose
-                caught = catches * (fine + _SLIPS * loose)
+                # -ln(1 - held), by Pade
+                rate = _SLIPS * within * held * (6.0 - between) / (6.0 - 4.0 * between)
+                slips = rate / (1.0 + 0.5 * rate)
+                coming[k, 3 + 3 * p] += (1.0 - slips) * loose
+                caught = catches * fine + slips * loose
                 coming[k, 1 + 3 * p] += drawn * coming[r, 1 + 3 * p] + caught
             waits[k] -= 1
             if waits[k] == 0:
@@ -499,16 +530,16 @@ def _note(f, rows, n_rows, rest):
 
 
 @kernel(error_model="numpy")
-def _seed(f, rows, nodes, around, capacity):
+def _seed(f, rows, nodes, around, absorption):
     """Take in the nodes with water that can move; return how many."""
     known = 0
     for own in range(2):
         some = nodes if own == 0 else around
         for n in range(some.shape[0]):
             i = some[n]
-            if f.water[i] > capacity * f.residual[i] and f.place[i] == 0:
+            if f.water[i] > absorption.capacity * f.residual[i] and f.place[i] == 0:
                 rows.ids[known] = i
-                rows.entry[known] = f.entry[i]
+                _know_entry(f, rows, known, i, absorption.opens)
                 known += 1
                 f.place[i] = known
                 f.mobile[f.block[i]] = True
@@ -518,10 +549,9 @@ def _seed(f, rows, nodes, around, capacity):
 @kernel(error_model="numpy")
 def _find(f, rows, known, rest, absorption, come):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
-    capacity, film = absorption.capacity, absorption.film
     inner, n_rows = 0, known  # those within have all neighbours among the rows
     rows.starts[0] = 0
-    known = _grow(f, rows, 0, known, rest, capacity, film)
+    known = _grow(f, rows, 0, known, rest, absorption)
     n_stages = 0
     stage = 0
     rows.mean[:, :known] = 0.0
@@ -537,13 +567,13 @@ def _find(f, rows, known, rest, absorption, come):
             return n_rows, known, -1
         if reaches:
             inner, n_rows, was = n_rows, known, known
-            known = _grow(f, rows, inner, known, rest, capacity, film)
+            known = _grow(f, rows, inner, known, rest, absorption)
             rows.mean[:, was:known] = 0.0
             rows.psi[was:known] = 0.0
         if n_stages == 0:
-            n_stages = _count_stages(rows, n_rows, film)
+            n_stages = _count_stages(rows, n_rows, absorption)
         stage += 1
-        _run_stage(rows, n_rows, stage, n_stages, film, capacity, come)
+        _run_stage(rows, n_rows, stage, n_stages, absorption, come)
     _find_flows(rows, n_rows, known, n_stages, absorption)
     return n_rows, known, n_stages
 
@@ -588,7 +618,7 @@ def move_water(f, nodes, around, absorption, shortest, rest, room):
     rest : (1,) f64
         Filled with what all these blocks are still owed then, if they are not owed less.
     room : Workspace
-        For M nodes, these and around, and their K links it has to have (13 + 3 P) M + 3 K numbers
+        For M nodes, these and around, and their K links it has to have (15 + 3 P) M + 3 K numbers
         and 4 M + 1 + K whole ones.
 
     Returns
@@ -601,7 +631,7 @@ def move_water(f, nodes, around, absorption, shortest, rest, room):
     if size < 0:
         return -1
     n_work = size * (1 + 3 * f.pigment.shape[1])
-    n_floats = n_work + 12 * size + 3 * n_links
+    n_floats = n_work + 14 * size + 3 * n_links
     if room.floats.shape[0] < n_floats or room.ints.shape[0] < 4 * size + 1 + n_links:
         return TOO_LITTLE_ROOM
     rows = _make_rows(room.floats[n_work:], room.ints, size, n_links)
@@ -609,7 +639,7 @@ def move_water(f, nodes, around, absorption, shortest, rest, room):
     length = longest
     while True:
         rest[0] = longest - length
-        seeds = _seed(f, rows, nodes, around, absorption.capacity)
+        seeds = _seed(f, rows, nodes, around, absorption)
         n_rows, known, n_stages = seeds, seeds, 0
         if seeds > 0:
             n_rows, known, n_stages = _find(f, rows, seeds, rest[0], absorption, work)

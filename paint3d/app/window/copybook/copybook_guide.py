@@ -38,6 +38,7 @@ from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
+from paint3d.files.progress import Progress
 from paint3d.mesh.sheet_mesh import sheet_of
 
 if TYPE_CHECKING:
@@ -65,6 +66,7 @@ _DATED = re.compile(  # a year, and what else of a date is said beside a name
 )
 _SIGNED = "書书寫写題题識识記记作畫画 "  # what one does who signs
 _LONGEST_TITLE = 16
+_LAID = 0.3  # of the time until ghosts are found
 _SOME = 500  # samples after which it is looked what is written by now
 _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
@@ -205,7 +207,7 @@ class CopybookGuide:
         signature = signature.moved(em_mm=beside.em_mm, between=beside.between)
         placed = signature.moved(point=tuple(found))
         try:
-            self._make(placed)
+            self._laid_here(placed)
         except Paint3DError:  # there is no room: it lies where it fits, to be moved
             return signature
         return placed
@@ -330,14 +332,19 @@ class CopybookGuide:
 
     # -- laying -----------------------------------------------------------------------------
 
-    def _make(self, laid: LaidText) -> Copybook:
+    def _make(self, laid: LaidText, progress: Progress = lambda _: None) -> Copybook:
         """The copybook of a text on the object that is open."""
-        source = self._workspace.painting.source
-        book = Copybook.of(source, laid, self._workspace.settings.glyphs or None)
-        for ghost in book.ghosts:
+        book = self._laid_here(laid)
+        for n, ghost in enumerate(book.ghosts):
+            progress(_LAID + (1.0 - _LAID) * n / len(book.ghosts))
             _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
         _ = book.block
         return book
+
+    def _laid_here(self, laid: LaidText) -> Copybook:
+        """The copybook of a text, of which nothing is found yet but where it lies."""
+        workspace = self._workspace
+        return Copybook.of(workspace.painting.source, laid, workspace.settings.glyphs or None)
 
     def _put(self, laid: LaidText, number: int | None, *, quiet: bool = False) -> bool:
         """Lay a text in the place of one, or beside those there are; whether that went well.
@@ -348,7 +355,7 @@ class CopybookGuide:
         texts = workspace.painting.texts
         if number is not None and number < len(texts) and texts[number] == laid:
             return True
-        done = workspace.run(say("Lay out"), lambda _: self._make(laid))
+        done = workspace.run(say("Lay out"), partial(self._make, laid))
         error = done.exception()
         if quiet and isinstance(error, Paint3DError):
             workspace.tell(say_error(error), state="bad")
@@ -583,8 +590,7 @@ class CopybookGuide:
         self._counting = self._counted = None
         self._fitted = []
         self._panel.show_texts([], None)
-        self._panel.show_values(None)
-        self._panel.offer_filling(sheet_of(opened.surface.mesh) is not None)
+        self._panel.begin_anew(on_sheet=sheet_of(opened.surface.mesh) is not None)
 
     def follow(self) -> None:
         """Take what strokes were judged to be, and the texts that the painting has now."""

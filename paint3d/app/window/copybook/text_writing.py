@@ -16,6 +16,7 @@ from paint3d.app.window.copybook.text_moving import HeldText
 from paint3d.app.window.job import JobProgress
 from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.playing.recordings import samples_of, tool_changes_of, tools_in_hand
+from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
@@ -46,6 +47,8 @@ class TextWriting:
         Paints what was planned.
     held : callable
         The text that is chosen, as it lies there, or None.
+    resize : callable
+        Lays it in another size, mm; where it cannot, it lies as before.
     """
 
     def __init__(
@@ -53,9 +56,10 @@ class TextWriting:
         workspace: Workspace,
         player: Player,
         held: Callable[[], HeldText | None],
+        resize: Callable[[float], None],
     ) -> None:
         self._workspace, self._player = workspace, player
-        self._held = held
+        self._held, self._resize = held, resize
         self._ahead = 0  # times that planning ahead was begun or ended: only the last goes on
         self._timer = QtCore.QTimer(workspace, interval=_SETTLED_MS, singleShot=True)
         self._timer.timeout.connect(self._plan_ahead)
@@ -102,7 +106,12 @@ class TextWriting:
         folder = workspace.settings.glyphs or None
         title = say("Planning the strokes…")
         planned = workspace.run(title, partial(_made_ready, held, painting, brush, folder))
-        if workspace.went_well(planned):
+        error = planned.exception()
+        smaller = error.message.fields.get("smaller") if isinstance(error, Paint3DError) else None
+        if isinstance(smaller, float):
+            if self._lies_smaller(em, smaller):
+                self.do_write_text()
+        elif workspace.went_well(planned):
             samples, loads, strengths = planned.result()
             after = tools_in_hand(painting, in_hand)
             before = _fresh(painting)
@@ -117,6 +126,20 @@ class TextWriting:
                     size=say_length(em),
                 )
                 workspace.tell(told)
+
+    def _lies_smaller(self, em_mm: float, smaller: float) -> bool:
+        """Whether a text for which the brush has no room lies in a size now for which it has."""
+        message = say(
+            "The brush has no room to write it here at {size}; at {smaller} it has",
+            size=say_length(em_mm),
+            smaller=say_length(smaller),
+        )
+        accept = say("Write it at {size}", size=say_length(smaller))
+        window = self._workspace.window
+        if ask(window, message, accept=accept, warns=True) is Answer.AcceptRole:
+            self._resize(smaller)
+        held = self._held()
+        return held is not None and held.laid.em_mm == smaller
 
 
 def _fresh(painting: Snapshot) -> list[Asked]:

@@ -75,7 +75,9 @@ class BeginPage(QtWidgets.QFrame):
         actions, begin = self._workspace.actions, self._opening.open_path
         self._add(say("A bowl"), partial(begin, "bowl", None, "porcelain"))
         self._add(say("A sheet of paper"), partial(begin, _SHEET, _SHEET_MM, "xuan"))
-        for name in ("new", "open", "sample", "tour"):
+        self._add(say("Another sheet or object…"), actions["new"].trigger)
+        self._add(say("An object of your own, or a painting…"), actions["open"].trigger)
+        for name in ("sample", "tour"):
             self._add(actions[name].text(), actions[name].trigger)
         left = recoverable()
         if left:
