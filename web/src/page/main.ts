@@ -856,8 +856,7 @@ class Page {
   /** Wait until all that was asked is done and shown. */
   async shown(): Promise<void> {
     await this.#inHand().engine.call("show");
-    this.draw();
-    await new Promise((done) => requestAnimationFrame(done));
+    this.#drawNow(performance.now()); // a page that is not looked at gets no frames
   }
 
   /** The SHA-256 of the colours and of the amounts, as they are shown then. */
@@ -907,21 +906,25 @@ class Page {
     this.#drawn = true;
     requestAnimationFrame((now) => {
       this.#drawn = false;
-      if (this.#camera === null) return;
-      try {
-        this.#steer(now);
-        const changes = this.#changes.splice(0);
-        for (const change of changes) this.#stage.follow(change);
-        this.#stage.draw(this.#camera);
-        if (changes.length > 0) {
-          this.#opened?.engine.seen();
-          this.#ahead.shown(this.#heardMs);
-        }
-        this.#ahead.draw();
-      } catch (cause) {
-        this.fail(cause);
-      }
+      this.#drawNow(now);
     });
+  }
+
+  #drawNow(now: number): void {
+    if (this.#camera === null) return;
+    try {
+      this.#steer(now);
+      const changes = this.#changes.splice(0);
+      for (const change of changes) this.#stage.follow(change);
+      this.#stage.draw(this.#camera);
+      if (changes.length > 0) {
+        this.#opened?.engine.seen();
+        this.#ahead.shown(this.#heardMs);
+      }
+      this.#ahead.draw();
+    } catch (cause) {
+      this.fail(cause);
+    }
   }
 
   // -- the hand -------------------------------------------------------------------------------
