@@ -290,7 +290,7 @@ def _plain(name: str) -> str:
 
 
 def _copy_page(page: Path, out: Path) -> None:
-    for name in ("index-*", "object_worker-*"):
+    for name in ("index-*", "*_worker-*"):
         for path in (out / "assets").glob(name):
             path.unlink()  # of an earlier page
     for path in sorted(page.rglob("*")):

@@ -58,6 +58,68 @@ def glb(path: Path) -> None:
     path.write_bytes(scene.export(file_type="glb"))
 
 
+def packed_glb(path: Path, **changes: Any) -> None:
+    """A ball whose triangles, and normals as octahedra, are packed by meshopt.
+
+    `changes` are of how its places are.
+    """
+    packer = pytest.importorskip("meshoptimizer")
+    mesh = ball(0.03)
+    mesh.apply_transform(trimesh.transformations.euler_matrix(0.3, 0.2, 0.1))
+    places, indices = mesh.vertices.astype("<f4"), mesh.faces.astype("<u4").ravel()
+    x, y, z = mesh.vertex_normals.T / np.abs(mesh.vertex_normals).sum(axis=1)
+    below = z < 0.0
+    x, y = (
+        np.where(below, (1.0 - np.abs(b)) * np.where(a < 0.0, -1.0, 1.0), a)
+        for a, b in ((x, y), (y, x))
+    )
+    normals = np.rint(127.0 * np.column_stack([x, y, np.ones_like(x), np.zeros_like(x)]))
+    normals = normals.astype(np.int8)
+    n, m = len(places), len(indices)
+    packed = [
+        packer.encode_vertex_buffer(places, n, 12), packer.encode_index_buffer(indices, m, n),
+        packer.encode_vertex_buffer(normals.view("<f4"), n, 4),
+    ]  # fmt: skip
+    hows: list[dict[str, Any]] = [
+        {"byteStride": 12, "count": n, "mode": "ATTRIBUTES", **changes},
+        {"byteStride": 4, "count": m, "mode": "TRIANGLES"},
+        {"byteStride": 4, "count": n, "mode": "ATTRIBUTES", "filter": "OCTAHEDRAL"},
+    ]
+    start, views = 0, []
+    for data, how in zip(packed, hows, strict=True):
+        where = {"buffer": 0, "byteOffset": start, "byteLength": len(data)}
+        strided = {} if how["mode"] == "TRIANGLES" else {"byteStride": how["byteStride"]}
+        size = int(how["count"]) * int(how["byteStride"])
+        packing = {"extensions": {"EXT_meshopt_compression": where | how}}
+        views.append({"buffer": 1, "byteLength": size, **strided, **packing})
+        start += len(data)
+    body = b"".join(packed)
+    body += bytes(-len(body) % 4)
+    document = {
+        "asset": {"version": "2.0"}, "extensionsRequired": ["EXT_meshopt_compression"],
+        "buffers": [{"byteLength": len(body)}, {"byteLength": 16 * n + 4 * m}],
+        "bufferViews": views,
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": n},
+            {"bufferView": 1, "componentType": 5125, "type": "SCALAR", "count": m},
+            {"bufferView": 2, "componentType": 5120, "type": "VEC3", "count": n,
+             "normalized": True},
+        ],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "NORMAL": 2}, "indices": 1}]}],
+        "nodes": [{"mesh": 0}], "scenes": [{"nodes": [0]}],
+    }  # fmt: skip
+    words = json.dumps(document).encode()
+    words += b" " * (-len(words) % 4)
+    path.write_bytes(
+        struct.pack("<4sIIII", b"glTF", 2, 28 + len(words) + len(body), len(words), 0x4E4F534A)
+        + words + struct.pack("<II", len(body), 0x004E4942) + body
+    )  # fmt: skip
+
+
+def changed_packed_glb(**changes: Any) -> Callable[[Path], None]:
+    return lambda path: packed_glb(path, **changes)
+
+
 def obj(path: Path) -> None:
     """Polygons, one with inward corners, by numbers that count back, one of no area."""
     outline = [(0, 0), (60, 0), (60, 40), (30, 12), (0, 40)]
@@ -114,8 +176,8 @@ def stl_text(path: Path) -> None:
 
 
 FILES: dict[str, Callable[[Path], None]] = {
-    "two parts.glb": glb, "plate.obj": obj, "ball.ply": ply, "block.ply": ply_text,
-    "ball.STL": stl, "drum.stl": stl_text,
+    "two parts.glb": glb, "packed.glb": packed_glb, "plate.obj": obj, "ball.ply": ply,
+    "block.ply": ply_text, "ball.STL": stl, "drum.stl": stl_text,
 }  # fmt: skip
 WANTED: dict[str, dict[str, str]] = {"drum.stl": {"unit": "in", "up": "-y"}}
 
@@ -201,6 +263,10 @@ BROKEN: dict[str, Callable[[Path], None]] = {
     "inherited.glb": triangle_glb(accessors={"type": "constructor"}),
     "inherited.ply": text(PLY_HEAD.replace("float y", "constructor y") + "end_header\n"),
     "inherited format.ply": text(PLY_HEAD.replace("ascii", "toString") + "end_header\n"),
+    "packed by hand.glb": changed_packed_glb(filter="BY HAND"),
+    "packed somehow.glb": changed_packed_glb(mode="SOMEHOW"),
+    "packed nowhere.glb": changed_packed_glb(byteOffset=1 << 20),
+    "packed huge.glb": changed_packed_glb(byteStride=1 << 20),
     "thing.abc": text("?"), "nothing": text("?"),
 }  # fmt: skip
 

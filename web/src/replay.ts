@@ -12,6 +12,7 @@ import { gunzipSync } from "node:zlib";
 
 import { Bundle } from "./core/bundle";
 import type { KernelIndex } from "./core/kernels";
+import { readyForGlb } from "./files/formats/glb";
 import { filled, MeshError } from "./files/mesh_error";
 import { openOwnObject } from "./files/own_object";
 import { readMesh } from "./files/reading";
@@ -75,7 +76,7 @@ async function repeat(studio: Studio, path: string, own?: string, wanted?: Wante
   if (about === undefined || ink === undefined) throw new Error(`${path}: the page has none of it`);
   const bundle = own === undefined ? null : await ownObject(own, resolution, wanted);
   const document = await Document.open(studio, about, head.brush as string, ink.name, head.material as string, bundle);
-  await document.repeat(studio, text, async () => {});
+  await document.repeat(studio, text, () => {});
   return { ...hashes(document.surface), ledger: document.painter.ledger() };
 }
 
@@ -93,6 +94,7 @@ async function ownObject(path: string, resolution: number, wanted?: Wanted): Pro
 /** What is read of a file, or why it cannot be. */
 async function read(path: string, wanted?: Wanted): Promise<unknown> {
   try {
+    await readyForGlb();
     const { mesh, notes } = readMesh(basename(path), new Uint8Array(await readFile(path)), wanted);
     const bytes = (array: ArrayBufferView | null): string =>
       array === null ? "" : sha(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));

@@ -1,7 +1,6 @@
 /** What Python has made of colours, brushes and objects, opened by name (`paint3d/page`). */
 
 import { NDArray } from "./core/arrays";
-import { breathe } from "./core/breathe";
 import { Bundle } from "./core/bundle";
 import { Kernels, type KernelIndex } from "./core/kernels";
 import { Brush, type BrushWords } from "./brush/brush";
@@ -67,7 +66,7 @@ export class Studio {
   private constructor(
     readonly kernels: Kernels,
     readonly contents: Contents,
-    private readonly fetch: Fetch,
+    readonly fetch: Fetch,
     common: Bundle<StudioWords>,
   ) {
     this.sizes = common.words.sizes;
@@ -106,7 +105,6 @@ export class Studio {
     ]);
     const kernels = await Kernels.load(wasm, index);
     const bundle = await Bundle.read<StudioWords>(common, "common.bin.gz");
-    await breathe();
     return new Studio(kernels, contents, fetch, bundle);
   }
 
@@ -117,10 +115,7 @@ export class Studio {
       const { file } = named(this.contents.brushes, "brush", name);
       brush = this.fetch(file)
         .then((bytes) => Bundle.read<BrushWords>(bytes, file))
-        .then(async (bundle) => {
-          await breathe();
-          return new Brush(this.kernels, bundle);
-        });
+        .then((bundle) => new Brush(this.kernels, bundle));
       this.#brushes.set(name, brush);
     }
     return brush;
@@ -164,11 +159,8 @@ export class Studio {
     const material = named(this.contents.materials, "material", materialName);
     const bytes = await this.fetch(material.file);
     const tables = await Bundle.read<Material>(bytes, material.file);
-    await breathe();
     const mesh = new PaintMesh(this.kernels, object);
-    await breathe();
     const tree = readTree(this.kernels, object, "contact");
-    await breathe();
     return new PaintedSurface(this.kernels, this, object, groundOf(tables), mesh, tree);
   }
 }

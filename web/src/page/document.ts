@@ -3,7 +3,6 @@
 import type { Kernels } from "../core/kernels";
 import type { Brush } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
-import { breathe } from "../core/breathe";
 import type { Bundle } from "../core/bundle";
 import type { ObjectWords } from "../mesh/refined_mesh";
 import { frameUp } from "../mesh/chart";
@@ -18,7 +17,6 @@ import type { Blend, LayerStack } from "../surface/layer_stack";
 import type { PaintedSurface, Snapshot } from "../surface/painted_surface";
 
 const MOST_STEPS = 30;
-const SAMPLES_AT_ONCE = 16; // that are repeated
 const MOST_BYTES = 1 << 28; // of the steps that can be undone, but for the last
 
 /** What is done to the layers, as a score says it. */
@@ -80,9 +78,7 @@ export class Document {
       own === null ? studio.surface(about.name, about.resolution, material) : studio.surfaceOf(own, material),
       studio.brush(brushName),
     ]);
-    await breathe();
     const closest = new ClosestPoints(studio.kernels, surface.object);
-    await breathe();
     surface.useLayers();
     const painter = new Painter(studio.kernels, studio.sizes, surface, brush, studio.ink(ink));
     const document = new Document(studio.kernels, about, surface, painter, closest, ink);
@@ -319,7 +315,7 @@ export class Document {
    * Do what a score of a page says; `progress` is told the share that is done. Ends at a line that
    * a page has not written.
    */
-  async repeat(studio: Studio, text: string, progress: (share: number) => Promise<void>): Promise<void> {
+  async repeat(studio: Studio, text: string, progress: (share: number) => void): Promise<void> {
     const lines = text.split("\n").filter((line) => line !== "");
     for (const [k, line] of lines.entries()) {
       if (k === 0) continue; // the head, which this document was opened by
@@ -342,8 +338,9 @@ export class Document {
       else if (row.do === "follow_time")
         for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
       else throw new RecordingError(`line ${k + 1}: a page does not know ${String(row.do)}`);
-      if (row.do !== undefined || k % SAMPLES_AT_ONCE === 0) await progress((k + 1) / lines.length);
+      progress((k + 1) / lines.length);
     }
+    this.#taken = this.#lines.length; // where a text is kept that ends within a stroke, its end is still to be
     if (this.#inStroke) this.endStroke();
     this.surface.refresh();
   }

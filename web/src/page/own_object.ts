@@ -1,10 +1,9 @@
 /** An object that somebody brings to the page: its file, and what a worker made of it. */
 
-import { Bundle } from "../core/bundle";
 import type { KernelIndex } from "../core/kernels";
 import { MeshError, type Note } from "../files/mesh_error";
 import type { Wanted } from "../files/wanted";
-import type { ObjectWords } from "../mesh/refined_mesh";
+import type { Prepared } from "../mesh/prepared";
 import type { Contents, Fetch } from "../studio";
 import type { Told } from "./object_worker";
 
@@ -20,7 +19,7 @@ export interface OwnFile {
 export interface OwnObject {
   file: OwnFile;
   about: Contents["objects"][number];
-  bundle: Bundle<ObjectWords>;
+  prepared: Prepared;
   notes: Note[];
 }
 
@@ -52,9 +51,8 @@ export async function bringObject(
     const usual = contents.materials.find(({ name }) => name === prepared.words.usual_material) ?? contents.materials[0];
     const { name, resolution } = file;
     return {
-      file, notes,
+      file, notes, prepared,
       about: { name, chinese: "", resolution, material: usual.name, file: "" },
-      bundle: Bundle.of(prepared.words, prepared.arrays, name),
     }; // prettier-ignore
   } finally {
     worker.terminate();

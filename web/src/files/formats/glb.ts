@@ -1,6 +1,7 @@
 /** Binary glTF 2.0: the default scene as one mesh, with its nodes' transforms: `paint3d/files/formats/gltf.py`. */
 
-import { joined } from "../../core/numbers";
+import { MeshoptDecoder } from "meshoptimizer/decoder";
+import { joined, roundHalfToEven } from "../../core/numbers";
 import { colourShares, srgbFromLinear } from "../colours";
 import { damaged, MeshError, noted, type Note } from "../mesh_error";
 import { checkCount, leftOut, rawMesh, threes, type RawMesh } from "../raw_mesh";
@@ -30,6 +31,9 @@ const STEPS = "_POSITION_STEPS"; // what metres in float32 lose of millimetres, 
 const [TRIANGLES, STRIP, FAN] = [4, 5, 6];
 const THIN = new Map<unknown, Note>([[0, noted("points")], [1, noted("lines")], [2, noted("lines")], [3, noted("lines")]]);
 const [DRACO, MESHOPT] = ["KHR_draco_mesh_compression", "EXT_meshopt_compression"];
+const FILTERS = ["NONE", "OCTAHEDRAL", "QUATERNION", "EXPONENTIAL"];
+const MODES = ["ATTRIBUTES", "TRIANGLES", "INDICES"];
+const MOST_UNPACKED = 1 << 28; // bytes
 const [HIDDEN, INSTANCES] = ["KHR_node_visibility", "EXT_mesh_gpu_instancing"];
 const [LIGHTS, GLOSSY] = ["KHR_lights_punctual", "KHR_materials_pbrSpecularGlossiness"];
 const MOST_INSTANCES = 1 << 17;
@@ -44,6 +48,11 @@ interface Values {
   rows: Float64Array;
   width: number;
   kind: "i1" | "u1" | "i2" | "u2" | "u4" | "f4" | "f8";
+}
+
+/** Let what unpacks files by meshopt be compiled, which has to be before one is read. */
+export function readyForGlb(): Promise<void> {
+  return MeshoptDecoder.ready;
 }
 
 /** Read a .glb file; points, lines, skins and animations are passed over, and noted. */
@@ -161,6 +170,7 @@ function checkKinds(document: Row): void {
 class File {
   readonly document: Row;
   #binary: Uint8Array | null = null;
+  readonly #views = new Map<unknown, Uint8Array>(); // unpacked, by their numbers
 
   constructor(data: Uint8Array) {
     const view = new DataView(data.buffer, data.byteOffset, data.byteLength);
@@ -243,12 +253,12 @@ class File {
     const index = required(accessor, "bufferView");
     const start = integer(accessor, "byteOffset", 0);
     const view = this.item("bufferViews", index);
-    if ((view.extensions as Row | undefined)?.[MESHOPT] !== undefined)
-      throw new MeshError("it is compressed with meshopt, which needs meshoptimizer; expected an uncompressed file");
+    const packed = (view.extensions as Row | undefined)?.[MESHOPT] as Row | undefined;
     const size = bytes * width;
     const stride = integer(view, "byteStride", 0) || size;
-    const [begin, length] = [integer(view, "byteOffset", 0), integer(view, "byteLength")];
-    const data = this.#buffer(required(view, "buffer"));
+    const length = integer(view, "byteLength");
+    const begin = packed === undefined ? integer(view, "byteOffset", 0) : 0;
+    const data = packed === undefined ? this.#buffer(required(view, "buffer")) : this.#unpacked(index, packed);
     if (Math.min(begin, start, length, count) < 0 || stride < size || begin + length > data.length)
       throw new MeshError("bufferViews[{index}] does not fit into its buffer", { index });
     if (count > 0 && start + (count - 1) * stride + size > length)
@@ -266,6 +276,39 @@ class File {
     for (let row = 0; row < count; row++)
       for (let c = 0; c < width; c++) rows[width * row + c] = read(begin + start + row * stride + c * bytes);
     return rows;
+  }
+
+  /** The bytes of a buffer view that is packed by meshopt: `unpack_meshopt` of Python. */
+  #unpacked(index: unknown, packed: Row): Uint8Array {
+    const known = this.#views.get(index);
+    if (known !== undefined) return known;
+    const [begin, length] = [integer(packed, "byteOffset", 0), integer(packed, "byteLength")];
+    const data = this.#buffer(required(packed, "buffer"));
+    if (Math.min(begin, length) < 0 || begin + length > data.length)
+      throw new MeshError("the packed bufferViews[{index}] does not fit into its buffer", { index });
+    const { count, byteStride: size } = packed as Record<string, number>;
+    const { mode, filter = "NONE" } = packed as Record<string, string>;
+    if (!(Number.isInteger(count) && Number.isInteger(size) && count >= 0 && 0 < size && size <= 256))
+      throw new MeshError("its meshopt data is {count} elements of {size} bytes; expected numbers", {
+        count: count ?? "None", size: size ?? "None",
+      }); // prettier-ignore
+    checkCount(count * size, 1, MOST_UNPACKED, noted("bytes in a packed view"));
+    if (!FILTERS.includes(filter))
+      throw new MeshError("its meshopt filter is {name!r:.30}; expected one of {filters}", { name: filter, filters: FILTERS.join(", ") });
+    if (!MODES.includes(mode))
+      throw new MeshError("its meshopt mode is {mode!r:.30}; expected ATTRIBUTES, TRIANGLES or INDICES", { mode: mode ?? "None" });
+    const unpacked = new Uint8Array(count * size);
+    try {
+      const isOctahedral = filter === "OCTAHEDRAL";
+      MeshoptDecoder.decodeGltfBuffer(
+        unpacked, count, size, data.subarray(begin, begin + length), mode, isOctahedral ? "NONE" : filter,
+      ); // prettier-ignore
+      if (isOctahedral && mode === "ATTRIBUTES") undoOctahedra(unpacked, size);
+    } catch (cause) {
+      throw new MeshError("its meshopt data cannot be unpacked: {cause}", { cause: cause instanceof Error ? cause.message : String(cause) });
+    }
+    this.#views.set(index, unpacked);
+    return unpacked;
   }
 
   #buffer(index: unknown): Uint8Array {
@@ -288,6 +331,24 @@ class File {
         index, n: data.length, bytelength,
       }); // prettier-ignore
     return data;
+  }
+}
+
+/** Unit vectors of codes on an octahedron, in place: `_undo_octahedra` of Python. */
+function undoOctahedra(bytes: Uint8Array, size: number): void {
+  if (size !== 4 && size !== 8) throw new Error(`octahedra of ${size} bytes`);
+  const codes = size === 4 ? new Int8Array(bytes.buffer) : new Int16Array(bytes.buffer);
+  const f = Math.fround;
+  for (let k = 0; k < codes.length; k += 4) {
+    const [x, y, one] = codes.subarray(k, k + 3);
+    const z = f(f(one - Math.abs(x)) - Math.abs(y));
+    const fold = Math.min(z, 0.0);
+    const vector = [f(x + (x >= 0 ? fold : -fold)), f(y + (y >= 0 ? fold : -fold)), z];
+    const [xx, yy, zz] = vector.map((part) => f(part * part));
+    const length = f(Math.sqrt(f(f(xx + yy) + zz)));
+    if (length === 0.0) continue;
+    const scale = f((size === 4 ? 127 : 32767) / length);
+    vector.forEach((part, c) => (codes[k + c] = roundHalfToEven(f(part * scale))));
   }
 }
 
