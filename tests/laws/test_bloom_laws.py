@@ -393,6 +393,22 @@ def test_hardly_a_place_at_the_rim_stays_bare_alone() -> None:
     assert bare <= 2
 
 
+@pytest.mark.parametrize("material", ["xuan", "bisque"])
+def test_beside_what_is_full_nothing_is_bare_but_filled_in_part(material: str) -> None:
+    """So the border of what has spread lies between vertices, and not along the mesh."""
+    surface = PaintedSurface(grid(24.0, 0.4), None, material)
+    drop(drop(surface, 0.3, 3.0), 2.6, 3.0, ink="water").diffuse(20.0)
+    graph, kept = surface.flow_graph, surface.flow.keep()
+    filled = np.zeros(surface.n_vertices)
+    filled[kept["vertices"]] = kept["soaked"]
+    first = np.searchsorted(graph.node_of[: graph.n_places], np.arange(graph.n_nodes))
+    filled, links = filled[graph.vertices[first]], slice(graph.n_links)
+    here, there = filled[graph.owner[links]], filled[graph.links[links]]
+    beyond = there[(here >= 1.0) & (there < 1.0)]
+    assert len(beyond) > 50
+    assert np.mean(beyond == 0.0) < 0.02  # .38 and .16 where a cell's pores fill all at once
+
+
 def test_cells_of_two_sizes_beside_each_other_do_not_show_in_a_wash() -> None:
     """Where vertices alternate between four and eight neighbours, no lattice is seen."""
     surface = PaintedSurface(grid(24.0, 4.0), 0.65, "xuan")
