@@ -116,7 +116,7 @@ def evaporate(wet, f, rest, drying, inside, dried, still_wet):
 
 @kernel(error_model="numpy")
 def ease_entries(nodes, f, dry_entry):
-    """Let water get into what is dry the more easily the more of what lies around it is fuller.
+    """Let water get into what is dry the more easily the fuller what lies around it is.
 
     Menisci that come from several sides meet in a pore, and fill it at less than each would need
     (cooperative filling: Cieplak, Robbins, *Phys. Rev. Lett.* 60, 2042, 1988). So no single place

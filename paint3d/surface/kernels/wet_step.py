@@ -415,11 +415,12 @@ def _carry(f, rows, n_rows, n_ids, work):
                 fine, loose = flux * coming[r, 2 + 3 * p], flux * coming[r, 3 + 3 * p]
                 held = min(1.0, f.sticks[p] * f.catch[j])
                 catches = min(1.0, held * within)
-                between = 0.5 * (held + catches)  # so wide cells beside narrow ones do not show
                 coming[k, 2 + 3 * p] += (1.0 - catches) * fine
-                # -ln(1 - held), by Pade
-                rate = _SLIPS * within * held * (6.0 - between) / (6.0 - 4.0 * between)
-                slips = rate / (1.0 + 0.5 * rate)
+                # _SLIPS times -ln(1 - held) within the link: x (6 - x) / (6 - 4 x) by Pade. At the
+                # mean of both values no lattice of wide and narrow cells shows.
+                mean = 0.5 * (held + catches)
+                rate = _SLIPS * within * held * (6.0 - mean) / (6.0 - 4.0 * mean)
+                slips = rate / (1.0 + 0.5 * rate)  # 1 - exp(-rate)
                 coming[k, 3 + 3 * p] += (1.0 - slips) * loose
                 caught = catches * fine + slips * loose
                 coming[k, 1 + 3 * p] += drawn * coming[r, 1 + 3 * p] + caught

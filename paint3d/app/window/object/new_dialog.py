@@ -57,8 +57,8 @@ class NewDialog(FormDialog):
         for form in FORMS:
             self.sheets.add(form, f"{say_object(form)}\n{_format_size(_usual(form))}")
         for name in BUILT_IN_OBJECTS:
-            width, _, height = 0.1 * np.ptp(read_mesh(name).mesh.vertices, axis=0)
-            size = f"{width:.3g} × {height or width:.3g} cm"
+            width, depth, height = 0.1 * np.ptp(read_mesh(name).mesh.vertices, axis=0)
+            size = f"{width:.3g} × {height or depth:.3g} cm"  # a sheet that lies has no height
             self.objects.add(name, f"{say_object(name)}\n{size}")
         self.objects.add("", say("A mesh file…"))
         lists = QtWidgets.QVBoxLayout()
