@@ -15,6 +15,7 @@ import unicodedata
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -192,9 +193,9 @@ class _Asked:
 def _best(asked: _Asked, verses: Sequence[str]) -> Composition:
     ways = list(_ways_to_break(verses))
     if asked.columns and asked.sheet.usual.shape == "sector":
-        ways = [(lines, liked * _on_ribs(lines)) for lines, liked in ways]
-        ways += _ways_in_turn("".join(verses), asked.sheet)
-    found = [(liked, *_fitted(asked, lines)) for lines, liked in ways]
+        ways = [(lines, preference * _on_ribs(lines)) for lines, preference in ways]
+        ways += _alternating_columns("".join(verses), asked.sheet)
+    found = [(preference, *_fitted(asked, lines)) for lines, preference in ways]
     return max(found, key=lambda one: one[0] * one[1])[2]
 
 
@@ -204,7 +205,7 @@ def _on_ribs(lines: Sequence[str]) -> float:
     return 1.0 if few or max(map(len, lines)) == 1 else _EVEN_ON_FAN
 
 
-def _ways_in_turn(text: str, sheet: Sheet) -> Iterator[tuple[list[str], float]]:
+def _alternating_columns(text: str, sheet: Sheet) -> Iterator[tuple[list[str], float]]:
     """A text in long and short columns by turns; and how well that is liked."""
     fan = fan_of(sheet)
     most = int(2.0 * fan.half_opening * fan.outer / _LEAST_MM)  # columns
@@ -303,7 +304,7 @@ def _on_rectangle(asked: _Asked, lines: list[str]) -> _Fit:
         across, along, margins = along, across, margins[::-1]
     n, rows = len(lines), max(map(len, lines))
     in_halves = sheet.usual.panels > 1  # which are laid within margins, in the middle
-    least, most = asked.between
+    least = asked.between[0]
     best: _Fit | None = None
     em = min(
         _LARGEST * min(sheet.size),
@@ -313,20 +314,16 @@ def _on_rectangle(asked: _Asked, lines: list[str]) -> _Fit:
     while best is None or em > best.worth:
         bare = [-0.5 * _BARE * em if in_halves else min(_BARE * em, edge) for edge in margins]
         long = along + 2.0 * bare[1]
+        spaced = partial(_spaced, asked, lines, em, (across + 2.0 * bare[0], long))
+        wide, gap, between = spaced(0.0)
         signature = 0.0
-        for is_below in (True, False):
-            if not is_below:
-                size = _signature_mm(em, asked.signature, em * (rows + (rows - 1) * least))
-                signature = _SIGNED_COLUMN * min(size, _OF_WIDTH * min(sheet.size))
-                if in_halves:  # it may lie in the margin there, and the other side is as wide
-                    signature = 2.0 * max(0.0, signature - 0.6 * margins[0])
-            wide = across + 2.0 * bare[0] - signature
-            gap = _spread(wide, em, n, *asked.gap)
-            closest = most if least == most or n == 1 else max(least, min(most, _CLOSER * gap))
-            between = _spread(long, em, rows, least, closest)
-            blank = (rows - len(lines[-1])) * em * (1.0 + between)
-            if not asked.signature or (n > 1 and _below_mm(em, asked.signature, blank) is not None):
-                break
+        blank = (rows - len(lines[-1])) * em * (1.0 + between)
+        if asked.signature and (n == 1 or _below_mm(em, asked.signature, blank) is None):
+            size = _signature_mm(em, asked.signature, em * (rows + (rows - 1) * least))
+            signature = _SIGNED_COLUMN * min(size, _OF_WIDTH * min(sheet.size))
+            if in_halves:  # it may lie in the margin there, and the other side is as wide
+                signature = 2.0 * max(0.0, signature - 0.6 * margins[0])
+            wide, gap, between = spaced(signature)
         free = wide - em * (n + (n - 1) * gap), long - em * (rows + (rows - 1) * between)
         if min(free) >= -1e-6 * em:
             worth = em * math.prod(1.0 - _BARE_COSTS * np.array(free) / (wide, long))
@@ -335,6 +332,18 @@ def _on_rectangle(asked: _Asked, lines: list[str]) -> _Fit:
                 best = _Fit(worth, em, gap, between, *((x, y) if columns else (0.0, x)))
         em *= _SMALLER
     return best
+
+
+def _spaced(
+    asked: _Asked, lines: list[str], em: float, room: tuple[float, float], signature: float
+) -> tuple[float, float, float]:
+    """The width left beside a signature's column, mm, and the gaps between columns and in one."""
+    least, most = asked.between
+    n, rows = len(lines), max(map(len, lines))
+    wide = room[0] - signature
+    gap = _spread(wide, em, n, *asked.gap)
+    closest = most if least == most or n == 1 else max(least, min(most, _CLOSER * gap))
+    return wide, gap, _spread(room[1], em, rows, least, closest)
 
 
 def _on_disc(asked: _Asked, lines: list[str]) -> _Fit:

@@ -688,7 +688,7 @@ class _Grid:
         if self.layout.around:
             pitch[0] = self.right.length / wide
         deepest = tall  # that two neighbours reach: long columns and short ones may take turns
-        if self.layout.order == "columns" and wide > 2:
+        if self.layout.order == "columns" and wide > 1:
             deepest = max(map(min, pairwise(map(len, lines))))
         rows = {0, min(1, deepest - 1), deepest - 1}
         sample = [_Cell("", x, y) for x in range(min(wide, 2)) for y in sorted(rows)]

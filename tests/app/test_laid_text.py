@@ -278,6 +278,9 @@ def test_the_panel_begins_anew_with_a_painting_and_leaves_no_signature(window) -
     panel.show_values(LaidText("靜夜思", 55.0))
     panel.begin_anew(on_sheet=True)
     assert (panel.text.text(), panel.em.value()) == ("靜夜思", 40.0)
+    panel.text.setPlainText("永" * 2500)  # more than is laid
+    panel.begin_anew(on_sheet=True)
+    assert len(panel.text.text()) == 2500
 
 
 @pytest.mark.parametrize(
@@ -471,11 +474,13 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
 
 def test_rows_are_laid_at_once_and_what_is_too_large_at_the_size_that_fits(window) -> None:
     lay(window, "永和九年", 20.0)
+    window.panels.copybook.text.setPlainText("松竹")  # typed for another text
     direction = window.panels.copybook.direction
     direction.setFocus()
     QtTest.QTest.keyClick(direction, KEY.Key_Down)
     wait_for(lambda: text_of(window).order == "row")
     settled(window)
+    assert "".join(text_of(window).text.split()) == "永和九年"
     assert np.ptp(origins(window)[:, 0]) > 50.0
     answer(lambda box: box.defaultButton().click())
     assert window.copying.layout_text("永和九年", 70.0, False)

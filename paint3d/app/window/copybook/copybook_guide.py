@@ -52,10 +52,7 @@ _SIGNATURE_EM_MM = 15.0  # where there is no text that it belongs to
 _NAMELESS = "□□"  # where a name goes that is not known
 _USUAL_SIGNATURE = 7  # characters: a year, a season, a name
 _BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # values that let a text fill no sheet
-_CHOICES = {
-    "around",
-    "order",
-}  # values of which there are two: one that does not fit is asked about
+_CHOICES = {"around", "order"}  # where one does not fit, a size that does is offered
 _BREAK_ANEW = {"grid", *_CHOICES}  # values with which the text's lines may break otherwise
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _NUMERALS = r"\d〇零○一二三四五六七八九十"
@@ -207,7 +204,7 @@ class CopybookGuide:
         signature = signature.moved(em_mm=beside.em_mm, between=beside.between)
         placed = signature.moved(point=tuple(found))
         try:
-            self._laid_here(placed)
+            self._copybook_of(placed)
         except Paint3DError:  # there is no room: it lies where it fits, to be moved
             return signature
         return placed
@@ -255,7 +252,10 @@ class CopybookGuide:
         return self.ask({"text": text, "em_mm": em_mm, "order": order, "font": font}, False)
 
     def change(self, values: Mapping[str, Any]) -> None:
-        """Give the chosen text other values: its size, place, turn, distances, grid."""
+        """Give the chosen text other values: its size, place, turn, distances, grid.
+
+        One that fills the sheet is composed anew where its order changes.
+        """
         if not _BY_ITSELF.isdisjoint(values):
             self._panel.fill_box.setChecked(False)
         held = self.held()
@@ -265,6 +265,8 @@ class CopybookGuide:
         if not values.keys() <= _BREAK_ANEW and "\n" not in laid.text and held.book.lines:
             laid = laid.moved(text=held.book.lines)  # it breaks where it did before
         try:
+            if "order" in values and self._panel.fills and not laid.is_signature:
+                values = self._filling({"text": laid.text, **values})
             laid = laid.moved(**values)
             if laid.around:  # it lies level
                 laid = laid.moved(turn=0.0)
@@ -334,15 +336,15 @@ class CopybookGuide:
 
     def _make(self, laid: LaidText, progress: Progress = lambda _: None) -> Copybook:
         """The copybook of a text on the object that is open."""
-        book = self._laid_here(laid)
+        book = self._copybook_of(laid)
         for n, ghost in enumerate(book.ghosts):
             progress(_LAID + (1.0 - _LAID) * n / len(book.ghosts))
             _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
         _ = book.block
         return book
 
-    def _laid_here(self, laid: LaidText) -> Copybook:
-        """The copybook of a text, of which nothing is found yet but where it lies."""
+    def _copybook_of(self, laid: LaidText) -> Copybook:
+        """The copybook of a text; its ghosts are not found yet."""
         workspace = self._workspace
         return Copybook.of(workspace.painting.source, laid, workspace.settings.glyphs or None)
 
@@ -362,7 +364,7 @@ class CopybookGuide:
             return False
         if isinstance(error, Paint3DError) and "smaller" in error.message.fields:
             smaller = error.message.fields["smaller"]
-            accept = say("Lay out at {size}", size=f"{smaller:g} mm")
+            accept = say("Lay out at {size}", size=say_length(smaller))
             if (
                 ask(workspace.window, say_error(error), accept=accept, warns=True)
                 is Answer.AcceptRole

@@ -328,8 +328,11 @@ class CopybookPanel(QtWidgets.QWidget):
 
         A signature is that painting's own.
         """
-        signed = self._shows_signature
-        self.show_values(_FIRST.moved(text=_EXAMPLE if signed else self.text.text()))
+        typed = "" if self._shows_signature else self.text.text()
+        self.show_values(_FIRST.moved(text=_EXAMPLE))
+        if typed:
+            with QtCore.QSignalBlocker(self.text):
+                self.text.setPlainText(typed)
         self._order_chosen = False
         self._suit_text()
         self._offer_filling(on_sheet)
@@ -369,12 +372,9 @@ class CopybookPanel(QtWidgets.QWidget):
             box.setEnabled(not self.text.text().strip())
 
     def _choose_order(self) -> None:
-        """Lay the chosen text the other way; one that fills the sheet is laid out anew."""
+        """Lay the chosen text the other way."""
         self._order_chosen = True
-        if self.fills and self.texts.isEnabled():
-            self.ask()
-        else:
-            self.changed.emit({"order": self._order})
+        self.changed.emit({"order": self._order})
 
     def ask(self) -> None:
         """Ask for what is written here."""
