@@ -27,13 +27,13 @@ __all__ = [
     "Pores",
     "capacity_of",
     "close_pores",
+    "entry_ratio_of",
     "even_exp",
     "fibre_frames",
     "fibre_relief",
     "film_of",
     "find_pores",
     "mobility_of",
-    "opens_of",
     "sieve_of",
 ]
 
@@ -137,7 +137,7 @@ _GLUE_OF_ENTRY = 0.85  # of the range from the advance saturation to full pores,
 _FULL = 0.98  # saturation that counts as full
 _LEAST_MM = 0.012  # film held where there are no pores, by glue as it thickens
 _FILM_MM2_S = 0.3  # least diffusivity of a film of water: a few hundredths of a mm level in seconds
-_OPENS = 0.3  # entry potential of a cell's widest pores, over that of all of them
+_ENTRY_RATIO = 0.3  # entry potential of a cell's widest pores over that of its narrowest
 _POOL_MM = 0.25  # depth of a pool at which its border advances over a water-repellent surface
 _SHEDS = (0.6, 0.9)  # advance saturations at which repellence starts, and is complete
 
@@ -160,13 +160,12 @@ def repellence_of(material: Material) -> float:
     return min(max((material.advance - low) / (high - low), 0.0), 1.0)
 
 
-def opens_of(material: Material) -> float:
-    """Return at which fraction of a cell's entry potential water gets into its widest pores.
+def entry_ratio_of(material: Material) -> float:
+    """Return the entry potential of a cell's widest pores over that of its narrowest, 0 to 1.
 
-    A cell's pores are of many widths, and narrow ones fill at a higher potential. A pool that
-    stands on a surface has none to get into.
+    Narrow pores fill at a higher potential. A pool that stands on a surface has none to fill: 1.
     """
-    return _OPENS + (1.0 - _OPENS) * repellence_of(material)
+    return _ENTRY_RATIO + (1.0 - _ENTRY_RATIO) * repellence_of(material)
 
 
 def mobility_of(material: Material, grain_um: AnyArray) -> NDArray[np.float64]:

@@ -31,11 +31,11 @@ __all__ = ["TOO_LITTLE_ROOM", "Absorption", "WetFields", "Workspace", "move_wate
 TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
-_SLIPS = 0.08  # of the rate at which pores catch fine pigment: that at which they catch loose
+_LOOSE_CAPTURE = 0.08  # capture rate of loose flocs over that of fine pigment
 _DISPERSES = 0.1, 0.4  # mm: in pores and as a film; water that runs so far mixes over as far
-_MIXES = 0.06  # of a node's water, at most, that it exchanges with one of up to 8 others in a step
+_MIXES = 0.06  # most of a node's water exchanged by a link in a step; of n > 8 links 8 / n of it
 _CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest
-_THINNEST = 1e-6  # mm, of what fills a cell: coarse grain leaves some none
+_LEAST_ENTRY = 0.05  # of the pores' depth: entry depths count as no less in a division
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -78,7 +78,9 @@ class Absorption(NamedTuple):
     film: float  # diffusivity of a film on them, mm2/s
     passing: float  # speed of coarse soot over that of the water where pores let it pass, 0 to 1
     pores: float  # depth of the pores, mm: a film as deep on them floats half of their pigment
-    opens: float  # of a cell's entry potential: that at which its widest pores fill, 0 to 1
+    entry_ratio: (
+        float  # entry potential of a cell's widest pores over that of its narrowest, 0 to 1
+    )
 
 
 class Workspace(NamedTuple):
@@ -105,9 +107,9 @@ class _Rows(NamedTuple):
     inverse: NDArray  # (R,) float64, 1 / (capacity - residual_depth)
     strength: NDArray  # (R,) float64
     sieve: NDArray  # (R,) float64
-    entry: NDArray  # (R + ring,) float64, for the next water
-    to_fill: NDArray  # (R + ring,) float64, that which its last pores take
-    filling: NDArray  # (R + ring,) float64, 1 / the depth at which it is full
+    entry: NDArray  # (R + ring,) float64, entry potential at the present filling
+    full_entry: NDArray  # (R + ring,) float64, that of the narrowest pores
+    per_entry_depth: NDArray  # (R + ring,) float64, 1 / the depth at which these are full
     before: NDArray  # (R,) float64, depth
     barrier: NDArray  # (R,) float64, the highest entry here and beside: 0 where nothing is stopped
     psi: NDArray  # (R + ring,) float64, now
@@ -141,19 +143,20 @@ def _make_rows(floats, ints, size, n_links):
 
 
 @kernel(error_model="numpy", inline="always")
-def _entry_of(to_fill, part, opens):
-    """The entry potential of a cell of which a part is full: its wide pores fill first.
+def _entry_of(full_entry, filled, ratio):
+    """Entry potential of a cell that is filled in part, 0 to 1: its wide pores fill first.
 
     So a front rests between two nodes, where pressure and pores say, and not on the mesh.
     """
-    return to_fill * (opens + (1.0 - opens) * min(part, 1.0))
+    return full_entry * (ratio + (1.0 - ratio) * min(filled, 1.0))
 
 
 @kernel(error_model="numpy", inline="always")
-def _know_entry(f, rows, k, i, opens):
-    """Note what it takes to get into a node, which is the k-th."""
-    rows.to_fill[k], rows.filling[k] = f.entry[i], 1.0 / max(f.entry_depth[i], _THINNEST)
-    rows.entry[k] = _entry_of(f.entry[i], f.water[i] * rows.filling[k], opens)
+def _init_entry(f, rows, k, i, absorption):
+    """Fill in the entry potentials of node i, the k-th that takes part."""
+    per_depth = 1.0 / max(f.entry_depth[i], _LEAST_ENTRY * absorption.capacity)
+    rows.full_entry[k], rows.per_entry_depth[k] = f.entry[i], per_depth
+    rows.entry[k] = _entry_of(f.entry[i], f.water[i] * per_depth, absorption.entry_ratio)
 
 
 @kernel(error_model="numpy")
@@ -188,7 +191,7 @@ def _grow(f, rows, n_rows, n_ids, rest, absorption):
             if k < 0:
                 k = known
                 rows.ids[k] = j
-                _know_entry(f, rows, k, j, absorption.opens)
+                _init_entry(f, rows, k, j, absorption)
                 f.place[j] = k + 1
                 known += 1
             barrier = max(barrier, entry[np.uint32(k)])
@@ -230,7 +233,7 @@ def _is_shut(f, rows, r):
 @kernel(error_model="numpy")
 def _count_stages(rows, n_rows, absorption):
     """How many stages are stable, by the steepest slope of psi that each node can come to."""
-    film, rises = absorption.film, 1.0 - absorption.opens
+    film, rises = absorption.film, 1.0 - absorption.entry_ratio
     stiffest = 0.0  # its third power: that of a slope that grows with psi to 2/3 needs no root
     for r in range(n_rows):
         top = rows.psi[r]
@@ -238,7 +241,7 @@ def _count_stages(rows, n_rows, absorption):
             top = max(top, rows.psi[rows.cols[e]])
         strength = rows.strength[r]
         slope = 3.0 * strength * rows.inverse[r]
-        slope = max(slope, rises * rows.to_fill[r] * rows.filling[r])
+        slope = max(slope, rises * rows.full_entry[r] * rows.per_entry_depth[r])
         part = top / strength
         if top >= strength:
             slope, part = max(slope, film), 1.0
@@ -283,8 +286,8 @@ def _run_stage(rows, n_rows, stage, n_stages, absorption, come):
         come[r] = inflow
     for r in range(n_rows):  # apart, several at once
         depth = rows.before[r] + rows.share[r] * come[r]
-        part = max(depth, 0.0) * rows.filling[r]
-        rows.entry[r] = _entry_of(rows.to_fill[r], part, absorption.opens)
+        filled = max(depth, 0.0) * rows.per_entry_depth[r]
+        rows.entry[r] = _entry_of(rows.full_entry[r], filled, absorption.entry_ratio)
         rows.psi[r] = _psi(
             depth, rows.residual_depth[r], rows.inverse[r], rows.strength[r], film, capacity
         )
@@ -395,8 +398,8 @@ def _carry(f, rows, n_rows, n_ids, work):
             there = f.water[j] * f.area[j]
             stirred = (_DISPERSES[0] * (flux - afloat) + _DISPERSES[1] * afloat) / spacing
             beside = np.float64(f.last[j] - f.first[j])
-            few = min(1.0, 8.0 / max(links, beside, 1.0))
-            stirred = min(stirred, few * _MIXES * min(left, there))
+            link_limit = min(1.0, 8.0 / max(links, beside, 1.0))
+            stirred = min(stirred, link_limit * _MIXES * min(left, there))
             back = stirred / there if stirred > 0.0 else 0.0
             for p in range(n_pigments):
                 drawn = _drawn(f.mobility[p], carried, afloat)
@@ -416,13 +419,13 @@ def _carry(f, rows, n_rows, n_ids, work):
                 held = min(1.0, f.sticks[p] * f.catch[j])
                 catches = min(1.0, held * within)
                 coming[k, 2 + 3 * p] += (1.0 - catches) * fine
-                # _SLIPS times -ln(1 - held) within the link: x (6 - x) / (6 - 4 x) by Pade. At the
-                # mean of both values no lattice of wide and narrow cells shows.
+                # -ln(1 - x) is x (6 - x) / (6 - 4 x) by Pade; with x = held alone, or catches, a
+                # lattice of wide and narrow cells would show in washes.
                 mean = 0.5 * (held + catches)
-                rate = _SLIPS * within * held * (6.0 - mean) / (6.0 - 4.0 * mean)
-                slips = rate / (1.0 + 0.5 * rate)  # 1 - exp(-rate)
-                coming[k, 3 + 3 * p] += (1.0 - slips) * loose
-                caught = catches * fine + slips * loose
+                rate = _LOOSE_CAPTURE * within * held * (6.0 - mean) / (6.0 - 4.0 * mean)
+                captured = rate / (1.0 + 0.5 * rate)  # 1 - exp(-rate)
+                coming[k, 3 + 3 * p] += (1.0 - captured) * loose
+                caught = catches * fine + captured * loose
                 coming[k, 1 + 3 * p] += drawn * coming[r, 1 + 3 * p] + caught
             waits[k] -= 1
             if waits[k] == 0:
@@ -540,7 +543,7 @@ def _seed(f, rows, nodes, around, absorption):
             i = some[n]
             if f.water[i] > absorption.capacity * f.residual[i] and f.place[i] == 0:
                 rows.ids[known] = i
-                _know_entry(f, rows, known, i, absorption.opens)
+                _init_entry(f, rows, known, i, absorption)
                 known += 1
                 f.place[i] = known
                 f.mobile[f.block[i]] = True

@@ -8,7 +8,7 @@ import type { Kernels } from "../core/kernels";
 import { joined } from "../core/numbers";
 import { distinct } from "./flow_graph";
 import type { PaintedSurface } from "./painted_surface";
-import { capacityOf, clip, filmOf, opensOf } from "./pores";
+import { capacityOf, clip, entryRatioOf, filmOf } from "./pores";
 import { FIRST_PACE, WET_COAT_MM, WetPatch, type KeptPatch } from "./wet_patch";
 
 const BUNDLE = 4000;
@@ -253,7 +253,7 @@ export class Flow {
     const rims = this.#listed(patch.graph.rimsOf(blocks));
     const absorption = {
       capacity: capacityOf(material), film: filmOf(material), passing: material.passing,
-      pores: material.pores_mm, opens: opensOf(material),
+      pores: material.pores_mm, entry_ratio: entryRatioOf(material),
     };
     let stages: number;
     for (;;) {

@@ -35,7 +35,7 @@ const GLUE_OF_ENTRY = 0.85;
 const FULL = 0.98;
 const LEAST_MM = 0.012;
 const FILM_MM2_S = 0.3;
-const OPENS = 0.3; // entry potential of the widest pores of a cell, over that of all of them
+const ENTRY_RATIO = 0.3; // entry potential of a cell's widest pores over that of its narrowest
 const POOL_MM = 0.25;
 const SHEDS = [0.6, 0.9] as const;
 
@@ -78,9 +78,9 @@ function repellenceOf(material: Material): number {
   return material.pores_mm !== 0.0 ? clip((material.advance - low) / (high - low), 0.0, 1.0) : 1.0;
 }
 
-/** At which fraction of a cell's entry potential water gets into its widest pores. */
-export function opensOf(material: Material): number {
-  return OPENS + (1.0 - OPENS) * repellenceOf(material);
+/** The entry potential of a cell's widest pores over that of its narrowest, 0 to 1. */
+export function entryRatioOf(material: Material): number {
+  return ENTRY_RATIO + (1.0 - ENTRY_RATIO) * repellenceOf(material);
 }
 
 /** Pore properties at N points. */
