@@ -189,8 +189,9 @@ def _constant(values: AnyArray) -> NDArray[np.float32]:
 def tuft_on(spec: BrushSpec, material: Material) -> Tuft:
     """Build the tuft of a brush on a material, which may draw more or less ink out of it.
 
-    Friction depends on both: hairs spread by d + h mu with mu = `BrushSpec.friction` times
-    `Material.slip` (Guo 2015, Eq. 2), and the drag of the contact scales with the slip.
+    Brushes are rated on raw xuan. Friction belongs to brush and surface (Guo 2015, section 4):
+    hairs spread by d + h mu with mu = `BrushSpec.friction` times `Material.friction` (Eq. 2), and
+    the drag of the contact scales with it.
 
     Raises
     ------
@@ -201,8 +202,8 @@ def tuft_on(spec: BrushSpec, material: Material) -> Tuft:
     rubbing = spec.spread_by_friction * spec.friction
     return tuft._replace(
         transfer_per_mm=tuft.transfer_per_mm * material.uptake,
-        spread=tuft.spread + (material.slip - 1.0) * rubbing,
-        drag_fraction=min(LARGEST_DRAG_FRACTION, tuft.drag_fraction * material.slip),
+        spread=tuft.spread + (material.friction - 1.0) * rubbing,
+        drag_fraction=min(LARGEST_DRAG_FRACTION, tuft.drag_fraction * material.friction),
     )
 
 

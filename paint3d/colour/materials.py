@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import dataclasses
 import json
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -43,14 +42,12 @@ __all__ = [
 # ---- One material --------------------------------------------------------------------------------
 # Reflectance below the paint, gloss, uptake of ink and water, and friction.
 
-_FRICTION = (0.2, 2.0)
-_MOST_SPREAD = 2.5  # of `slip`: brush shapes are tabulated up to it
 _RANGES = {
     "roughness": (0.0, 1.0),
     "coat": (0.0, 1.0),
     "absorbency": (0.0, 1.0),
     "grain": (0.0, 1.0),
-    "friction": _FRICTION,
+    "friction": (0.2, 2.0),
     "pores_mm": (0.0, 10.0),
     "residual": (0.0, 0.95),
     "advance": (0.0, 1.0),
@@ -61,7 +58,6 @@ _RANGES = {
 }
 _BUMPS = 2.0  # spacing of bumps, in lengths of one
 _GLAZE_ROUGHNESS = 0.07  # for our single lobe: VTK's own coat is weighted by Fresnel twice
-_RATED = {"rated_absorbency": "absorbency", "rated_friction": "friction"}
 
 WAVE_RANGE_MM = (0.1, 20.0)
 """Least and greatest spacing of bumps that is felt and seen, mm."""
@@ -78,7 +74,7 @@ def glazed_roughness(roughness: float, coat: float) -> float:
 
 def material_ranges() -> dict[str, tuple[float, float]]:
     """Return the least and greatest value of every numeric parameter of a material."""
-    return _RANGES | {name: _RANGES[of] for name, of in _RATED.items()}
+    return dict(_RANGES)
 
 
 @dataclass(frozen=True, eq=False)
@@ -117,9 +113,7 @@ class Material:
         Length of the bumps that break a dry stroke, 0 for none.
     friction : float
         Friction of hairs on it over that on raw xuan, .2 to 2: times the brush's own mu it is mu
-        of Guo 2015, Eqs. 2 and 5 (`slip`).
-    rated_absorbency, rated_friction : float, optional
-        Those at which brushes give their ink, spread and drag as `BrushSpec` says. NaN: its own.
+        of Guo 2015, Eqs. 2 and 5.
     chinese, source, basis, licence, note : str
         Its Chinese name; whose measurement the reflectance is, what it stands in for, and its
         terms; where the other numbers are from.
@@ -143,13 +137,11 @@ class Material:
     passing: float = 1.0
     drying_mm_s: float = 4e-5
     tooth_mm: float = 0.5
-    rated_absorbency: float = math.nan
     chinese: str = ""
     source: str = ""
     basis: str = ""
     licence: str = ""
     friction: float = 1.0
-    rated_friction: float = math.nan
     note: str = ""
 
     def __post_init__(self) -> None:
@@ -167,25 +159,11 @@ class Material:
             )
         values.flags.writeable = False
         object.__setattr__(self, "reflectance", values)
-        for rated, own in _RATED.items():
-            stated = getattr(self, rated)
-            if isinstance(stated, float) and math.isnan(stated):
-                object.__setattr__(self, rated, getattr(self, own))
         for key, (low, high) in material_ranges().items():
             number = as_number(
                 getattr(self, key), f"{key} of {self.name}", low, high, error=PigmentError
             )
             object.__setattr__(self, key, number)
-        if self.slip > _MOST_SPREAD:
-            raise PigmentError(
-                "friction of {name} is {friction:g}, {slip:.3g} times its rated_friction "
-                "{rated_friction:g}; expected at most {most:g} times",
-                name=self.name,
-                friction=self.friction,
-                slip=self.slip,
-                rated_friction=self.rated_friction,
-                most=_MOST_SPREAD,
-            )
 
     @property
     def seen_roughness(self) -> float:
@@ -200,21 +178,11 @@ class Material:
 
     @property
     def uptake(self) -> float:
-        """Ratio of a brush's rate of giving ink to that on the surface it was rated on.
+        """Ratio of a brush's rate of giving ink to that on raw xuan, on which brushes are rated.
 
-        Guo 2017, section 4.2.2, adapts eta to brush and surface: here by (1 + absorbency) over the
-        same of `rated_absorbency`. The factor is set by eye.
+        Guo 2017, section 4.2.2, adapts eta to brush and surface; the factor is set by eye.
         """
-        return (1.0 + self.absorbency) / (1.0 + self.rated_absorbency)
-
-    @property
-    def slip(self) -> float:
-        """Ratio of the friction of hairs on it to that on the surface a brush was rated on.
-
-        Friction belongs to brush and surface (Guo 2015, section 4): painting uses
-        mu = `BrushSpec.friction` times this, force feedback `BrushSpec.friction` times `friction`.
-        """
-        return self.friction / self.rated_friction
+        return (2.0 + self.absorbency) / 3.0
 
 
 # ---- Shipped materials ---------------------------------------------------------------------------
@@ -287,8 +255,6 @@ _MEANINGS = {
     "passing": "speed of soot over that of the water; coarser grains go slower",
     "drying_mm_s": "depth of water that evaporates in a second, mm",
     "tooth_mm": "length of the bumps that break a dry stroke, mm",
-    "rated_absorbency": "the absorbency at which brushes give as they say",
-    "rated_friction": "the friction at which brushes spread and drag as they say",
 }
 
 

@@ -190,7 +190,7 @@ def material_table(material: Material, pigments: Sequence[Pigment]) -> Table:
         "grain": material.grain,
         "tooth_mm": material.tooth_mm,
         "uptake": material.uptake,
-        "slip": material.slip,
+        "friction": material.friction,
         "seen_roughness": material.seen_roughness,
         "pores_mm": material.pores_mm,
         "residual": material.residual,

@@ -113,8 +113,8 @@ export class Brush {
     return {
       ...tuft,
       transfer_per_mm: tuft.transfer_per_mm * material.uptake,
-      spread: tuft.spread + (material.slip - 1.0) * this.words.rubbing,
-      drag_fraction: Math.min(this.words.farthest_drag, tuft.drag_fraction * material.slip),
+      spread: tuft.spread + (material.friction - 1.0) * this.words.rubbing,
+      drag_fraction: Math.min(this.words.farthest_drag, tuft.drag_fraction * material.friction),
     };
   }
 }

@@ -8,7 +8,7 @@ export interface Material {
   grain: number;
   tooth_mm: number;
   uptake: number;
-  slip: number;
+  friction: number;
   seen_roughness: number;
   pores_mm: number;
   residual: number;

@@ -203,6 +203,9 @@ def _encode_material(material: Material) -> str | JsonObject:
     return record_words(material)
 
 
+_RATED = ("rated_absorbency", "rated_friction")  # before model 10; brushes are rated on xuan since
+
+
 def decode_material(header: Mapping[str, Any]) -> Material:
     """The material that a header says; porcelain where it says none.
 
@@ -217,7 +220,7 @@ def decode_material(header: Mapping[str, Any]) -> Material:
             raise UnknownNameError("material", value, material_names())
         return load_material(value)
     try:
-        return Material(**value)
+        return Material(**{key: value[key] for key in value if key not in _RATED})
     except TypeError as cause:
         raise PigmentError("this describes no material: {cause}", cause=cause) from None
 
