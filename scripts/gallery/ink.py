@@ -181,15 +181,24 @@ def sheet_chart(mesh: TriangleMesh) -> SurfaceChart:
     return make_chart(closest, place(closest, (0.5, 0.5)), half[0], half[1], spacing=10.0)
 
 
-def drop(surface: PaintedSurface, centre, radius: float, ink: dict[str, float]) -> None:
-    """Let a drop fall: so many coats of each ink on a disc (mm), its border soft."""
+def drop(
+    surface: PaintedSurface, centre, radius: float, ink: dict[str, float], even: bool = False
+) -> None:
+    """Let a drop fall, a cap of so many coats of each ink in the mean; or lay an `even` wash.
+
+    It lies on a disc (mm) that the fall has made a little uneven, its border soft.
+    """
     mesh = surface.paint_mesh
-    away = np.linalg.norm(mesh.vertices[:, :2] - np.asarray(centre), axis=1)
-    share = np.clip((radius - away) / 0.5 + 0.5, 0, 1).astype(np.float32)
+    off = mesh.vertices[:, :2] - np.asarray(centre)
+    away, turn = np.linalg.norm(off, axis=1), np.arctan2(off[:, 1], off[:, 0])
+    turn = turn + np.sum(centre)
+    reach = radius * (1.0 + 0.03 * np.sin(2.0 * turn) + 0.02 * np.sin(3.0 * turn + 1.0))
+    share = np.clip((reach - away) / 0.5 + 0.5, 0, 1).astype(np.float32)
+    height = np.ones_like(share) if even else 2.0 * np.clip(1.0 - (away / reach) ** 2, 0.04, 1)
     ids = np.flatnonzero(share > 0).astype(np.int32)
     for name, coats in ink.items():
         column = surface.column_of(load_pigment(name))
-        surface.ink.amounts[ids, column] += np.float32(coats) * share[ids]
+        surface.ink.amounts[ids, column] += (coats * height * share).astype(np.float32)[ids]
     surface.ink.coverage[ids] = np.maximum(surface.ink.coverage[ids], share[ids])
     surface.touch(ids)
 
@@ -200,8 +209,8 @@ def wet_in_wet(folder: Path) -> None:
     surface = PaintedSurface(mesh, 0.5, "xuan")
     surface.refine_all()
     for x, dries in ((-37.0, False), (37.0, True)):
-        drop(surface, (x - 11, 2), 17.0, {"indigo": 0.12, "water": 1.1})
-        drop(surface, (x + 13, -4), 15.0, {"gamboge": 0.4, "water": 1.1})
+        drop(surface, (x - 11, 2), 17.0, {"indigo": 0.12, "water": 1.1}, even=True)
+        drop(surface, (x + 13, -4), 15.0, {"gamboge": 0.4, "water": 1.1}, even=True)
         if dries:
             surface.diffuse(2.0)
             surface.dry()
@@ -302,15 +311,15 @@ def bloom(folder: Path) -> None:
         soot = {"pine soot": 2.6 * share, "water": 2.6 * (1.0 - share)}
         drop(surface, (-56 + 28 * k, 28), 5.0, soot)
     wash = {"pine soot": 0.16, "water": 1.6}
-    drop(surface, (-48, -20), 11.0, wash)
-    drop(surface, (-4, -20), 11.0, wash)
-    drop(surface, (36, -20), 9.0, {"pine soot": 0.2, "water": 1.4})
+    drop(surface, (-48, -20), 11.0, wash, even=True)
+    drop(surface, (-4, -20), 11.0, wash, even=True)
+    drop(surface, (36, -20), 9.0, {"pine soot": 0.2, "water": 1.4}, even=True)
     surface.diffuse(30.0)
     drop(surface, (-50, -18), 2.6, {"water": 6.0})
     for x, y in ((-9, -16), (1, -25), (3, -14)):
         drop(surface, (x, y), 1.4, {"water": 6.0, "pine soot": 0.1})
     surface.diffuse(1200.0)
-    drop(surface, (52, -20), 6.0, {"pine soot": 0.3, "water": 2.4})
+    drop(surface, (52, -20), 6.0, {"pine soot": 0.3, "water": 2.4}, even=True)
     surface.diffuse(1200.0)
     draw(surface, folder / "bloom.png", (1500, 1000))
 
@@ -318,7 +327,7 @@ def bloom(folder: Path) -> None:
 def lotus(folder: Path) -> None:
     """A lotus leaf from above: wet washes, dark ink and water into them, veins when it has set."""
     mesh = sheet(190.0, 150.0)
-    surface, chart = PaintedSurface(mesh, 0.65, "xuan"), sheet_chart(mesh)
+    surface, chart = PaintedSurface(mesh, 0.4, "xuan"), sheet_chart(mesh)
     heart, random = np.array([-22.0, 16.0]), np.random.default_rng(4)
     painter = Painter(surface, "dabaiyun", "light", amount=DipAmount(fullness=0.3))
 
