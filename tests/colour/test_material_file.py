@@ -15,7 +15,6 @@ from paint3d.brush.presets import brush_names, load_brush
 from paint3d.colour.materials import (
     Material,
     load_material,
-    load_materials,
     material_names,
     material_text,
 )
