@@ -1,20 +1,38 @@
-"""Inks from text: a pigment of the palette, a mixture, or ink in one of its five tones.
+"""Inks from text: a pigment of the palette, a mixture, ink in one of its five tones, or one's own.
 
 Painters distinguish five tones of one ink by the water in it (mo fen wu se): burnt, thick, heavy,
 light and clear. ``light`` is light pine soot, ``light oil soot`` that of another ink.
+
+Inks of one's own are mixtures that are kept by name among the user's settings: ``inks.toml`` has a
+line for each, ``"deep teal" = "indigo:0.8,malachite:0.2"``.
 """
 
 from __future__ import annotations
 
+import json
+import tomllib
 from collections.abc import Mapping
+from contextlib import suppress
+from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from paint3d.colour.ink_text import names_table, split_ink, table_of
+from paint3d.colour.ink_text import names_table, split_ink, table_of, with_tables
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
+from paint3d.core.atomic import write_atomically
+from paint3d.core.own_folders import config_folder, make_private_folder, usual_config_folder
 from paint3d.errors import PigmentError, UnknownNameError
 
-__all__ = ["TONES", "Tone", "describe_ink", "load_ink", "tone_names"]
+__all__ = [
+    "TONES",
+    "Tone",
+    "describe_ink",
+    "forget_ink",
+    "keep_ink",
+    "load_ink",
+    "own_inks",
+    "tone_names",
+]
 
 _INK = "pine soot"
 
@@ -43,10 +61,11 @@ def load_ink(text: str, *, own_tables: bool = True) -> dict[Pigment, float]:
     ----------
     text : str
         A pigment as `load_pigment` knows it, one of the `TONES`, alone (of pine soot) or before a
-        pigment's name, or several of these with their parts:
+        pigment's name, one of `own_inks`, or several of these with their parts:
         ``pine soot:0.2,water:0.8``, ``light oil soot``, ``mine.csv:iron gall:1,water:3``.
     own_tables : bool
-        Whether a name may refer to a file; not where the text comes from somebody else's file.
+        Whether a name may refer to a file or an ink of one's own; not where the text comes from
+        somebody else's file.
 
     Returns
     -------
@@ -67,32 +86,56 @@ def load_ink(text: str, *, own_tables: bool = True) -> dict[Pigment, float]:
             text=text[-100:],
         )
     mixture: dict[Pigment, float] = {}
+    for name, parts in _resolve(text, own_inks() if own_tables else {}).items():
+        pigment = load_pigment(name)
+        mixture[pigment] = mixture.get(pigment, 0.0) + parts
+    return mixture
+
+
+def _resolve(text: str, own: Mapping[str, str]) -> dict[str, float]:
+    """Return the parts of an ink by the names that `load_pigment` has for its pigments."""
+    mixture: dict[str, float] = {}
     for name, parts in split_ink(text):
-        for pigment, fraction in _load_toned(name).items():
+        for pigment, fraction in _resolve_toned(name, own).items():
             mixture[pigment] = mixture.get(pigment, 0.0) + parts * fraction
     return mixture
 
 
-def _load_toned(name: str) -> dict[Pigment, float]:
-    """Return the fractions of a pigment, and of water where the name begins with a tone."""
+def _resolve_toned(name: str, own: Mapping[str, str]) -> dict[str, float]:
+    """Return the fractions of an ink, and of water where the name begins with a tone."""
     try:
-        return {load_pigment(name): 1.0}
+        return _resolve_named(name, own)
     except UnknownNameError:
         tone, ink = _split_tone(name)
-        if tone is None and table_of(name):
-            raise
         if tone is None:
-            known = [*load_palette(), *TONES, WATER.name]
-            error = UnknownNameError("ink", name, known)
-            if name.startswith("#"):
-                error.hint = (
-                    f"paint3d inks --nearest {name!r} finds the mixture nearest to a colour"
-                )
+            error = UnknownNameError("ink", name, [*load_palette(), *TONES, WATER.name, *own])
+            error.hint = (
+                f"paint3d inks --nearest {name!r} finds the mixture nearest to a colour"
+                if name.startswith("#")
+                else "an ink of a table is FILE.csv:NAME, or kept by its name: paint3d inks --ink "
+                "FILE.csv:NAME --keep NAME"
+            )
             raise error from None
-    pigment = load_pigment(ink)
-    if tone.share == 1.0 or pigment is WATER:
-        return {pigment: 1.0}
-    return {pigment: tone.share, WATER: 1.0 - tone.share}
+    stirred = _resolve_named(ink, own)
+    if tone.share == 1.0 or set(stirred) == {WATER.name}:
+        return stirred
+    thinned = {pigment: tone.share * fraction for pigment, fraction in stirred.items()}
+    thinned[WATER.name] = thinned.get(WATER.name, 0.0) + 1.0 - tone.share
+    return thinned
+
+
+def _resolve_named(name: str, own: Mapping[str, str]) -> dict[str, float]:
+    """Return the fractions of a pigment, or of an ink of one's own."""
+    if table_of(name):
+        return {name: 1.0}
+    try:
+        return {load_pigment(name).name: 1.0}
+    except UnknownNameError:
+        if name not in own:
+            raise
+    parts = dict(split_ink(own[name]))
+    whole = sum(parts.values())
+    return {pigment: weight / whole for pigment, weight in parts.items()}
 
 
 def _split_tone(name: str) -> tuple[Tone | None, str]:
@@ -118,3 +161,112 @@ def describe_ink(stirred: Mapping[Pigment, float]) -> str:
     if len(stirred) == 1:
         return next(iter(stirred)).name
     return ",".join(f"{pigment.name}:{parts:.6g}" for pigment, parts in stirred.items())
+
+
+# ---- One's own -----------------------------------------------------------------------------------
+
+_FILE = "inks.toml"
+_LONGEST = 60  # letters of a name
+
+
+def own_inks() -> Mapping[str, str]:
+    """Return the mixtures that are kept, by name.
+
+    Raises
+    ------
+    PigmentError
+        If their file is there and cannot be read.
+    """
+    path = (usual_config_folder() or config_folder()) / _FILE
+    try:
+        inks = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (FileNotFoundError, NotADirectoryError):
+        return {}
+    except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as cause:
+        raise PigmentError(
+            "{file}: cannot be read as a list of inks: {cause}", file=path, cause=cause
+        ) from None
+    for name, text in inks.items():
+        if not isinstance(text, str):
+            raise PigmentError(
+                "{file}: {name!r} is {text!r:.60}; expected an ink such as 'indigo:0.8,water:0.2'",
+                file=path,
+                name=name,
+                text=text,
+            )
+    return inks
+
+
+def keep_ink(name: str, text: str) -> Path:
+    """Keep an ink under a name, in the place of one of that name; return the file.
+
+    Parameters
+    ----------
+    name : str
+        1 to 60 letters without ``,``, ``:`` and ``#``, and not the name of an ink there is.
+    text : str
+        As `load_ink` reads it; files in it are named by their whole paths then.
+
+    Raises
+    ------
+    PigmentError
+        If the name is none for an ink.
+    UnknownNameError
+        If the text names an ink that is not known.
+    ExportError
+        If the file cannot be written.
+    """
+    is_name = 0 < len(name) <= _LONGEST and name.isprintable() and name == name.strip()
+    if not is_name or set(name) & set(",:#") or names_table(name + ":") or _is_taken(name):
+        raise PigmentError(
+            "{name!r:.80} cannot be the name of an ink; expected 1 to {most} letters without ',', "
+            "':' and '#', and not the name of an ink that comes with the program",
+            name=name,
+            most=_LONGEST,
+        )
+    load_ink(text)
+    own = own_inks()
+    parts = _resolve(with_tables(text, lambda file: str(Path(file).absolute())), own)
+    kept = ",".join(f"{pigment}:{weight:.6g}" for pigment, weight in parts.items())
+    return _write_inks({**own, name: kept})
+
+
+def forget_ink(name: str) -> Path:
+    """Forget an ink that is kept; return the file.
+
+    Raises
+    ------
+    UnknownNameError
+        If there is none of that name.
+    ExportError
+        If the file cannot be written.
+    """
+    inks = dict(own_inks())
+    if inks.pop(name, None) is None:
+        raise UnknownNameError("ink of your own", name, inks)
+    return _write_inks(inks)
+
+
+def _is_taken(name: str) -> bool:
+    try:
+        load_ink(name, own_tables=False)
+    except (PigmentError, UnknownNameError):
+        return False
+    return True
+
+
+def _write_inks(inks: Mapping[str, str]) -> Path:
+    folder = config_folder()
+    with suppress(OSError):  # what cannot be written says so
+        make_private_folder(folder)
+    with write_atomically(folder / _FILE) as path:
+        path.write_text(
+            "".join(f"{_quoted(name)} = {_quoted(text)}\n" for name, text in inks.items()),
+            encoding="utf-8",
+        )
+    return folder / _FILE
+
+
+def _quoted(text: str) -> str:
+    """Return a string as TOML writes it, which is as JSON does."""
+    return json.dumps(text, ensure_ascii=False)

@@ -1,8 +1,9 @@
 """The mixture of a palette whose coat is nearest to a colour, by Kubelka-Munk theory.
 
 A mixture has up to three pigments and water; nearness is the CIEDE2000 difference of a coat on a
-given ground. Every triple of the palette is tried on a coarse grid, once for a palette and a
-ground; then the best few are refined on shrinking grids around their best points.
+given ground, and where a colour is given for it, also that of a wash. Every triple of the palette
+is tried on a coarse grid, once for a palette and a ground; then the best few are refined on
+shrinking grids around their best points.
 """
 
 from __future__ import annotations
@@ -22,7 +23,10 @@ from paint3d.colour.spectra import N_BANDS, srgb_from_reflectance
 from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import InputError
 
-__all__ = ["Nearest", "nearest_mixture"]
+__all__ = ["WASH_COATS", "Nearest", "nearest_mixture"]
+
+WASH_COATS = 0.1
+"""Coats of ink in a wash."""
 
 _SPLITS = ((3, 3, 1), (3, 1, 3), (1, 3, 3), (8, 1, 1), (1, 8, 1), (1, 1, 8))
 _INKED = (1.0, 0.5, 0.2, 0.08, 0.02)  # fraction that is not water
@@ -42,15 +46,32 @@ class Nearest(NamedTuple):
         CIEDE2000 between the colour asked for and a coat of it.
     srgb : (int, int, int)
         Of that coat, 0 to 255.
+    wash_difference : float
+        CIEDE2000 between the colour asked for and a wash of it; 0 where none was.
+    wash_srgb : (int, int, int)
+        Of that wash.
     """
 
     parts: dict[Pigment, float]
     difference: float
     srgb: tuple[int, int, int]
+    wash_difference: float
+    wash_srgb: tuple[int, int, int]
+
+
+class _Wanted(NamedTuple):
+    """L*a*b* (3,) of a coat, and of a wash or None, on a ground (31,)."""
+
+    coat: AnyArray
+    wash: AnyArray | None
+    ground: AnyArray
 
 
 def nearest_mixture(
-    srgb: ArrayLike, ground: ArrayLike, pigments: Sequence[Pigment] | None = None
+    srgb: ArrayLike,
+    ground: ArrayLike,
+    pigments: Sequence[Pigment] | None = None,
+    wash: ArrayLike | None = None,
 ) -> Nearest:
     """Find the mixture of up to three pigments and water whose coat is nearest to a colour.
 
@@ -62,22 +83,18 @@ def nearest_mixture(
         Reflectance of the surface below.
     pigments : sequence of Pigment, optional
         Those available; by default the palette.
+    wash : (3,) uint8 or int, optional
+        Colour that `WASH_COATS` of it come near to besides; both count alike.
 
     Raises
     ------
     InputError
-        If the colour or the ground is out of range, or there is no pigment.
+        If a colour or the ground is out of range, or there is no pigment.
 
     Notes
     -----
     About .1 s; the first time for a palette and a ground .4 s more.
     """
-    codes = as_array(srgb, "sRGB", (3,))
-    if codes.min() < 0.0 or codes.max() > 255.0:
-        raise InputError(
-            "sRGB is {codes}; expected three numbers from 0 to 255",
-            codes=codes.tolist(),
-        )
     below = as_array(ground, "ground", (N_BANDS,))
     if below.min() < 0.0 or below.max() > 1.0:
         raise InputError(
@@ -88,19 +105,33 @@ def nearest_mixture(
     inks = tuple(p for p in pigments or load_palette().values() if p is not WATER)
     if not inks:
         raise InputError("there is no pigment to mix; expected one or more")
-    wanted = lab_from_srgb(codes / 255.0)
-    chosen, fractions, labs = _coarse_grid(inks, tuple(below.tolist()))
-    off = delta_e(labs, wanted).reshape(-1, len(_SPLITS) * len(_INKED))
+    wanted = _Wanted(_lab_of(srgb), None if wash is None else _lab_of(wash), below)
+    chosen, fractions, labs = _coarse_grid(inks, tuple(below.tolist()), 1.0)
+    off = delta_e(labs, wanted.coat)
+    if wanted.wash is not None:
+        labs = _coarse_grid(inks, tuple(below.tolist()), WASH_COATS)[2]
+        off = off + delta_e(labs, wanted.wash)
+    off = off.reshape(-1, len(_SPLITS) * len(_INKED))
     at = off.argmin(axis=1) + off.shape[1] * np.arange(len(off))  # the best of every triple
     order = at[np.argsort(off.min(axis=1), kind="stable")[:_BEST]]
     which, roots = chosen[order], np.sqrt(fractions[order])
-    which, roots = _refine(which, roots, inks, below, wanted)
-    return _make_nearest(which, roots**2, inks, below, wanted)
+    which, roots = _refine(which, roots, inks, wanted)
+    return _make_nearest(which, roots**2, inks, wanted)
+
+
+def _lab_of(srgb: ArrayLike) -> AnyArray:
+    codes = as_array(srgb, "sRGB", (3,))
+    if codes.min() < 0.0 or codes.max() > 255.0:
+        raise InputError(
+            "sRGB is {codes}; expected three numbers from 0 to 255",
+            codes=codes.tolist(),
+        )
+    return lab_from_srgb(codes / 255.0)
 
 
 @lru_cache(maxsize=8)
 def _coarse_grid(
-    inks: tuple[Pigment, ...], ground: tuple[float, ...]
+    inks: tuple[Pigment, ...], ground: tuple[float, ...], coats: float
 ) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Return indices (N, 3), fractions of a coat (N, 3) and L*a*b* (N, 3) of the coarse grid."""
     n = len(inks)
@@ -110,13 +141,14 @@ def _coarse_grid(
     points = (np.array(_INKED)[:, None, None] * splits).reshape(-1, 3)
     chosen = np.repeat(np.array(triples), len(points), axis=0)
     fractions = np.tile(points, (len(triples), 1))
-    return chosen, fractions, _lab(chosen, fractions, inks, np.array(ground))
+    lab = lab_from_reflectance(_film(chosen, fractions, inks, np.array(ground), coats))
+    return chosen, fractions, lab
 
 
-def _coats(
-    chosen: AnyArray, fractions: AnyArray, inks: Sequence[Pigment], ground: AnyArray
+def _film(
+    chosen: AnyArray, fractions: AnyArray, inks: Sequence[Pigment], ground: AnyArray, coats: float
 ) -> AnyArray:
-    """Reflectance (N, 31) of coats of mixtures: indices of inks (N, 3), fractions (N, 3)."""
+    """Reflectance (N, 31) of films of mixtures: indices of inks (N, 3), fractions (N, 3)."""
     k, s = (np.array([getattr(ink, letter) for ink in inks]) for letter in "KS")
     weights = np.zeros((len(chosen), len(inks)))
     np.add.at(weights, (np.arange(len(chosen))[:, None], chosen), fractions)
@@ -125,18 +157,24 @@ def _coats(
     share = weights[:, glossy].sum(axis=1) / film
     outer, inner = (loss * share[:, None] for loss in SAUNDERSON)
     below = np.maximum(to_internal(ground, outer, inner), 0.0)
-    return to_measured(layer_reflectance(weights @ k, weights @ s, 1.0, below), outer, inner)
+    return to_measured(layer_reflectance(weights @ k, weights @ s, coats, below), outer, inner)
 
 
-def _lab(
-    chosen: AnyArray, fractions: AnyArray, inks: Sequence[Pigment], ground: AnyArray
+def _difference(
+    chosen: AnyArray, fractions: AnyArray, inks: Sequence[Pigment], wanted: _Wanted
 ) -> AnyArray:
-    """L*a*b* (N, 3) of what `_coats` takes."""
-    return lab_from_reflectance(_coats(chosen, fractions, inks, ground))
+    """CIEDE2000 (N,) of mixtures from what is wanted, of coat and wash together."""
+
+    def off(lab: AnyArray, coats: float) -> AnyArray:
+        film = _film(chosen, fractions, inks, wanted.ground, coats)
+        return delta_e(lab_from_reflectance(film), lab)
+
+    coat = off(wanted.coat, 1.0)
+    return coat if wanted.wash is None else coat + off(wanted.wash, WASH_COATS)
 
 
 def _refine(
-    chosen: AnyArray, roots: AnyArray, inks: Sequence[Pigment], ground: AnyArray, wanted: AnyArray
+    chosen: AnyArray, roots: AnyArray, inks: Sequence[Pigment], wanted: _Wanted
 ) -> tuple[AnyArray, AnyArray]:
     """Descend from mixtures (N, 3) in the roots of their fractions; return the best one."""
     steps = np.array(list(itertools.product((-1.0, 0.0, 1.0), repeat=3)))
@@ -146,8 +184,8 @@ def _refine(
         whole = np.sqrt(np.maximum((tried**2).sum(axis=-1, keepdims=True), 1.0))
         tried /= whole  # no more than a coat
         flat = tried.reshape(-1, 3)
-        labs = _lab(np.repeat(chosen, len(steps), axis=0), flat**2, inks, ground)
-        off = delta_e(labs, wanted).reshape(tried.shape[:2])
+        off = _difference(np.repeat(chosen, len(steps), axis=0), flat**2, inks, wanted)
+        off = off.reshape(tried.shape[:2])
         best = off.argmin(axis=1)
         moved = best != len(steps) // 2
         roots = tried[np.arange(len(tried)), best]
@@ -160,11 +198,7 @@ def _refine(
 
 
 def _make_nearest(
-    chosen: AnyArray,
-    fractions: AnyArray,
-    inks: Sequence[Pigment],
-    ground: AnyArray,
-    wanted: AnyArray,
+    chosen: AnyArray, fractions: AnyArray, inks: Sequence[Pigment], wanted: _Wanted
 ) -> Nearest:
     """Round a mixture, drop its traces, and measure the coat that is left."""
     summed: dict[Pigment, float] = {}
@@ -180,7 +214,15 @@ def _make_nearest(
         parts[WATER] = round(1.0 - sum(parts.values()), 4)
     indices = {ink: k for k, ink in enumerate(inks)}
     inked = [(indices[ink], fraction) for ink, fraction in parts.items() if ink is not WATER]
-    rows = np.array([[index for index, _ in inked]])
-    coat = _coats(rows, np.array([[fraction for _, fraction in inked]]), inks, ground)
-    red, green, blue = (int(code) for code in srgb_from_reflectance(coat)[0])
-    return Nearest(parts, float(delta_e(lab_from_reflectance(coat), wanted)[0]), (red, green, blue))
+    rows, shares = np.array([[k for k, _ in inked]]), np.array([[part for _, part in inked]])
+    coat, wash = (_film(rows, shares, inks, wanted.ground, coats) for coats in (1.0, WASH_COATS))
+    off = [
+        0.0 if lab is None else float(delta_e(lab_from_reflectance(film), lab)[0])
+        for film, lab in ((coat, wanted.coat), (wash, wanted.wash))
+    ]
+    return Nearest(parts, off[0], _codes(coat), off[1], _codes(wash))
+
+
+def _codes(film: AnyArray) -> tuple[int, int, int]:
+    red, green, blue = (int(code) for code in srgb_from_reflectance(film)[0])
+    return red, green, blue

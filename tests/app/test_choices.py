@@ -13,12 +13,12 @@ from paint3d.app.model.commands import (
     SHORTCUTS,
     find_shortcuts,
 )
-from paint3d.app.model.persistence.places import config_folder, recovery_folder
 from paint3d.app.model.persistence.saved_settings import chosen_brush, chosen_inks, in_hand
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.brush.presets import load_brush
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import load_pigment
+from paint3d.core.own_folders import config_folder, recovery_folder
 from paint3d.errors import ExportError
 
 

@@ -8,11 +8,11 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from paint3d.app.model.persistence.places import config_folder
 from paint3d.app.model.persistence.settings import Settings, load_settings
 from paint3d.app.window.questions import PreferencesDialog
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_unit, say_length
+from paint3d.core.own_folders import config_folder
 from tests.support.app.gestures import answer, live
 from tests.support.app.windows import close_unasked, settled
 

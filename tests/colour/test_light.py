@@ -9,12 +9,18 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.cli import main
-from paint3d.colour.difference import compare_spectra, delta_e, lab_from_xyz
+from paint3d.colour.difference import (
+    compare_spectra,
+    delta_e,
+    lab_from_reflectance,
+    lab_from_srgb,
+    lab_from_xyz,
+)
 from paint3d.colour.illuminants import FINE_NM, OBSERVERS, find_illuminant
-from paint3d.colour.inks import load_ink
+from paint3d.colour.inks import keep_ink, load_ink
 from paint3d.colour.layers import mixture_reflectance
 from paint3d.colour.materials import load_material
-from paint3d.colour.pigments import load_palette, load_pigment
+from paint3d.colour.pigments import WATER, load_palette, load_pigment
 from paint3d.colour.spectra import N_BANDS, WAVELENGTHS, decode_srgb, srgb_from_reflectance
 from paint3d.colour.viewing import GAMUTS, Viewing, linear_srgb_of
 from paint3d.errors import InputError, PigmentError, UnknownNameError
@@ -207,6 +213,45 @@ def test_the_command_finds_the_mixture_nearest_to_a_colour(capsys):
     assert "expected #RRGGBB" in capsys.readouterr().err
     assert main.main(["write", "永", "--on", "bowl", "--ink", "#2244aa", "--out", "a.glb"]) == 2
     assert "paint3d inks --nearest '#2244aa'" in capsys.readouterr().err
+
+
+def test_a_colour_and_its_wash_become_an_ink_with_a_name(capsys, tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path))
+    asked = ["inks", "--nearest", "#1f6f78", "--wash", "#cbe0d4", "--keep", "deep teal"]
+    assert main.main(asked) == 0
+    mixture = capsys.readouterr().out.strip()
+    own = load_ink("deep teal")
+    assert own == load_ink(mixture)
+    for coats, code in ((1.0, "1f6f78"), (0.1, "cbe0d4")):
+        film = mixture_reflectance(own, coats, GROUND, by_volume=True)
+        wanted = lab_from_srgb(np.array(list(bytes.fromhex(code))) / 255.0)
+        assert delta_e(lab_from_reflectance(film), wanted) < 5.0, code
+    thin = load_ink("deep teal:1,water:3")
+    assert sum(thin.values()) == pytest.approx(4.0)
+    assert load_ink("light deep teal")[WATER] > 0.91
+    assert main.main(["inks"]) == 0
+    assert "deep teal" in capsys.readouterr().out
+    with pytest.raises(UnknownNameError):
+        load_ink("deep teal", own_tables=False)  # in somebody else's file
+    for name in ("indigo", "light", "淡", "a:b", "a,b", "x.csv", " a", ""):
+        assert main.main(["inks", "--ink", "ochre", "--keep", name]) == 2, name
+    assert main.main(["inks", "--forget", "deep teal"]) == 0
+    assert main.main(["inks", "--forget", "deep teal"]) == 2
+    assert main.main(["inks", "--nearest", "#1f6f78", "--ink", "ochre"]) == 2
+    (tmp_path / "inks.toml").write_text("sea = 3\n")
+    assert main.main(["inks", "--ink", "sea"]) == 2
+    assert "inks.toml: 'sea' is 3; expected an ink" in capsys.readouterr().err
+
+
+def test_an_ink_of_a_table_is_kept_with_the_table(tmp_path, monkeypatch) -> None:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
+    (tmp_path / "mine.csv").write_text("name,R_400,R_700\nsea,0.3,0.1\n")
+    monkeypatch.chdir(tmp_path)
+    keep_ink("bay", "mine.csv:sea:1,water:1")
+    monkeypatch.chdir("/")
+    assert [pigment.name for pigment in load_ink("bay")] == ["sea", "water"]
+    keep_ink("pale bay", "light bay")
+    assert load_ink("pale bay")[WATER] == pytest.approx(0.955)
 
 
 def test_the_command_compares_two_inks(capsys):

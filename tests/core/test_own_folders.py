@@ -14,11 +14,16 @@ from pathlib import Path
 import pytest
 
 import paint3d
-from paint3d.app.model.persistence.places import config_folder, recovery_folder, stand_in
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.core import own_folders
 from paint3d.core.numba_kernels import ONLY
-from paint3d.core.own_folders import find_home, private_folder
+from paint3d.core.own_folders import (
+    config_folder,
+    find_home,
+    private_folder,
+    recovery_folder,
+    stand_in,
+)
 from paint3d.errors import ExportError
 
 NOWHERE = "/proc"  # nothing can be made there, not even by root
@@ -188,7 +193,7 @@ def test_settings_of_a_home_that_is_read_only_are_read(
     assert stand_in() is None
     save_settings(Settings(language="zh"))
     assert (home / ".config" / "paint3d" / "settings.json").is_file()
-    monkeypatch.setattr("paint3d.app.model.persistence.places.can_write", lambda folder: False)
+    monkeypatch.setattr("paint3d.core.own_folders.can_write", lambda folder: False)
     assert stand_in() == temporary / f"paint3d-{os.geteuid()}"
     assert load_settings()[0].language == "zh"
     save_settings(Settings(language="en"))

@@ -12,12 +12,12 @@ import PySide6
 from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.input.devices import plug_in_mice, start_feeling
-from paint3d.app.model.persistence.places import stand_in
 from paint3d.app.model.persistence.settings import load_settings
 from paint3d.app.window.garbage import collect_here
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language, say
 from paint3d.app.window.wording import language as spoken
+from paint3d.core.own_folders import stand_in
 from paint3d.errors import InputError
 from paint3d.haptics.stylus_choice import check_stylus
 from paint3d.pose.mouse_settings import MouseSettings

@@ -1,12 +1,14 @@
-"""List the inks and colours, or those of a user's own table, with sources and swatches."""
+"""List inks, those of a user's own table, or a mixture, with swatches; find and keep mixtures."""
 
 from __future__ import annotations
 
 import argparse
 import re
+import shlex
 import sys
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING
 
 from paint3d.cli.lists.columns import hexadecimal, swatch_cell, table_lines, terminal_columns
@@ -20,10 +22,11 @@ if TYPE_CHECKING:
 EXAMPLES = """
 paint3d inks
 paint3d inks --nearest "#2f5d62"
+paint3d inks --nearest "#1f6f78" --wash "#cbe0d4" --keep "deep teal"
 paint3d inks --compare azurite "indigo:0.6,lapis lazuli:0.4"
 """
 
-_WASH, _FULL = 0.1, 1.0
+_FULL, _PRESSED = 1.0, 2.0  # coats; a pressed brush leaves about two
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -42,6 +45,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=_parse_colour,
         help="the mixture for --ink of which a coat comes nearest to this colour",
     )
+    parser.add_argument(
+        "--wash",
+        metavar="#RRGGBB",
+        type=_parse_colour,
+        help="with --nearest, the colour that a tenth of a coat comes near to besides",
+    )
+    parser.add_argument("--ink", metavar="INK", help="show this ink or mixture instead")
+    parser.add_argument(
+        "--keep",
+        metavar="NAME",
+        help="with --nearest or --ink, keep it: from then on every --ink takes it by this name",
+    )
+    parser.add_argument("--forget", metavar="NAME", help="forget an ink that was kept")
     parser.add_argument(
         "--compare",
         metavar=("A", "B"),
@@ -91,32 +107,59 @@ def run(options: argparse.Namespace) -> None:
     """
     if options.compare is None and options.illuminant is not None:
         raise InputError("--illuminant is given without inks to compare; expected --compare A B")
-    if options.nearest is not None:
-        asked = (options.table, options.compare)
-        if asked != (None, None):
-            raise InputError("--nearest is given beside a table or --compare; expected it alone")
-        _tell_nearest(options.nearest, options.material)
-        return
-    if options.compare is not None and options.table is not None:
+    wishes = {
+        "a table": options.table, "--nearest": options.nearest, "--ink": options.ink,
+        "--compare": options.compare, "--forget": options.forget,
+    }  # fmt: skip
+    asked = [name for name, wish in wishes.items() if wish is not None]
+    if len(asked) > 1:
         raise InputError(
-            "{table} is given beside --compare; expected one of them (--compare takes "
+            "{first} is given beside {second}; expected one of them (inks of a table are "
             "FILE.csv:NAME)",
-            table=options.table,
+            first=asked[0],
+            second=asked[1],
         )
+    if options.keep is not None and asked not in (["--nearest"], ["--ink"]):
+        raise InputError("--keep is given without an ink; expected --nearest or --ink beside it")
+    if options.wash is not None and asked != ["--nearest"]:
+        raise InputError("--wash is given without --nearest; expected both")
     if options.compare is not None:
         sys.stdout.write("\n".join(comparison_table(options)) + "\n")
-        return
+    elif options.forget is not None:
+        from paint3d.colour.inks import forget_ink
+
+        sys.stderr.write(f"{forget_ink(options.forget)}: has no {options.forget} any more\n")
+    elif options.nearest is not None:
+        _keep(options.keep, _tell_nearest(options.nearest, options.wash, options.material))
+    else:
+        _list(options.table, options.ink)
+        _keep(options.keep, options.ink)
+
+
+def _list(table: Path | None, ink: str | None) -> None:
+    """Write what there is, what a table has, or one ink alone."""
+    from paint3d.colour.inks import own_inks
     from paint3d.colour.pigments import load_palette, load_pigments_csv
 
-    pigments = load_palette() if options.table is None else load_pigments_csv(options.table)
-    lines = swatches_table(pigments.values(), sys.stdout.isatty(), terminal_columns())
+    pigments, own = {}, {} if ink is None else {ink: ink}
+    if ink is None:
+        pigments = load_palette() if table is None else load_pigments_csv(table)
+        own = own_inks() if table is None else {}
+    lines = swatches_table(pigments.values(), sys.stdout.isatty(), terminal_columns(), own)
     sys.stdout.write("\n".join(lines) + "\n")
-    if options.table is not None and any(p.basis == "masstone" for p in pigments.values()):
+    if table is not None and any(p.basis == "masstone" for p in pigments.values()):
         sys.stderr.write(
             "note: of a masstone the full coat is as it was measured; how it thins is guessed, and "
             "washes and tints may be off by 10 dE00 (docs/ink.md, How far the colours can be "
             "trusted)\n"
         )
+
+
+def _keep(name: str | None, ink: str) -> None:
+    if name is not None:
+        from paint3d.colour.inks import keep_ink
+
+        sys.stderr.write(f"kept in {keep_ink(name, ink)}: --ink {shlex.quote(name)}\n")
 
 
 def _parse_colour(text: str) -> tuple[int, ...]:
@@ -125,19 +168,25 @@ def _parse_colour(text: str) -> tuple[int, ...]:
     return tuple(bytes.fromhex(text.lstrip("#")))
 
 
-def _tell_nearest(srgb: tuple[int, ...], material: str) -> None:
+def _tell_nearest(srgb: tuple[int, ...], wash: tuple[int, ...] | None, material: str) -> str:
     """Write the mixture to stdout, so that a shell can hand it on, and how near it comes after."""
     from paint3d.colour.inks import describe_ink
     from paint3d.colour.materials import load_material
     from paint3d.colour.nearest_mixture import nearest_mixture
 
-    found = nearest_mixture(srgb, load_material(material).reflectance)
-    sys.stdout.write(describe_ink(found.parts) + "\n")
+    found = nearest_mixture(srgb, load_material(material).reflectance, wash=wash)
+    ink = describe_ink(found.parts)
+    sys.stdout.write(ink + "\n")
     sys.stdout.flush()
-    sys.stderr.write(
-        f"a coat of it on {material} is {hexadecimal(found.srgb)}, {found.difference:.2g} dE00 "
-        f"from {hexadecimal(srgb)}\n"
-    )
+    films = [("coat", found.srgb, found.difference, srgb)]
+    if wash is not None:
+        films.append(("wash", found.wash_srgb, found.wash_difference, wash))
+    for film, own, off, wanted in films:
+        sys.stderr.write(
+            f"a {film} of it on {material} is {hexadecimal(own)}, {off:.2g} dE00 from "
+            f"{hexadecimal(wanted)}\n"
+        )
+    return ink
 
 
 def comparison_table(options: argparse.Namespace) -> list[str]:
@@ -172,7 +221,10 @@ def _csv_word(text: str) -> str:
 
 
 def swatches_table(
-    pigments: Iterable[Pigment], colour: bool = False, columns: int | None = None
+    pigments: Iterable[Pigment],
+    colour: bool = False,
+    columns: int | None = None,
+    mixtures: Mapping[str, str] = MappingProxyType({}),
 ) -> list[str]:
     """Lines of a table of pigments: a head, then one pigment a line.
 
@@ -183,26 +235,36 @@ def swatches_table(
         Put a block in 24-bit ANSI colour before each hexadecimal colour, for a terminal.
     columns : int, optional
         How wide it may be; see `table_lines`.
+    mixtures : mapping of str to str
+        Texts of inks by name, which come after the pigments.
 
     Returns
     -------
     list of str
-        Name, Chinese name, colour of a wash (0.1 coats) and of a full coat on porcelain, basis,
-        licence and source, in aligned columns.
+        Name, Chinese name, colour of a wash (0.1 coats), of a full coat and of two, as a pressed
+        brush leaves them, on porcelain, basis, licence and source, in aligned columns.
     """
-    wash, full = (swatch_cell(title, colour) for title in ("wash", "full coat"))
-    rows: list[Sequence[str]] = [("name", "", wash, full, "basis", "licence", "source")]
+    from paint3d.colour.inks import load_ink
+    from paint3d.colour.nearest_mixture import WASH_COATS
+
+    kinds = {"wash": WASH_COATS, "full coat": _FULL, "two coats": _PRESSED}
+    shown = [swatch_cell(kind, colour) for kind in kinds]
+    rows: list[Sequence[str]] = [("name", "", *shown, "basis", "licence", "source")]
     for one in pigments:
-        shown = [swatch_cell(_swatch(one, coats), colour) for coats in (_WASH, _FULL)]
-        rows.append((one.name, one.chinese, *shown, one.basis, one.licence, one.source))
+        films = [swatch_cell(_swatch({one: 1.0}, coats), colour) for coats in kinds.values()]
+        rows.append((one.name, one.chinese, *films, one.basis, one.licence, one.source))
+    for name, text in mixtures.items():
+        films = [swatch_cell(_swatch(load_ink(text), coats), colour) for coats in kinds.values()]
+        rows.append((name, "", *films, "mixture" if name == text else text, "", ""))
     return table_lines(rows, columns, colour)
 
 
-def _swatch(pigment: Pigment, coats: float) -> str:
+def _swatch(stirred: Mapping[Pigment, float], coats: float) -> str:
     """Colour as #rrggbb of so many coats on porcelain."""
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
     from paint3d.colour.spectra import srgb_from_reflectance
 
     ground = load_material("porcelain").reflectance
-    return hexadecimal(srgb_from_reflectance(mixture_reflectance({pigment: 1.0}, coats, ground)))
+    film = mixture_reflectance(stirred, coats, ground, by_volume=True)
+    return hexadecimal(srgb_from_reflectance(film))

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from paint3d.app.model.persistence.places import config_folder
 from paint3d.brush.presets import load_presets, read_brush, write_brush
 from paint3d.brush.spec import BrushSpec
+from paint3d.core.own_folders import config_folder
 from paint3d.core.parameter_file import is_parameter_file
 from paint3d.errors import BrushError, Message, Paint3DError
 

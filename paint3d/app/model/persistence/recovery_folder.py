@@ -23,8 +23,8 @@ from typing import BinaryIO
 
 from paint3d.app.model.commands import COMMANDS, encode_command, replay_command
 from paint3d.app.model.document import Document, FileState
-from paint3d.app.model.persistence.places import make_private, make_private_folder, recovery_folder
 from paint3d.core.machine import is_locked, lock
+from paint3d.core.own_folders import make_private, make_private_folder, recovery_folder
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import ExportError, Message, Paint3DError, SessionError

@@ -12,15 +12,15 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from paint3d.app.model.input.pressure_curve import PressureCurve
-from paint3d.app.model.persistence.places import (
+from paint3d.colour.materials import Material, load_materials
+from paint3d.core.arrays import as_number
+from paint3d.core.atomic import write_atomically
+from paint3d.core.own_folders import (
     config_folder,
     make_private,
     make_private_folder,
     usual_config_folder,
 )
-from paint3d.colour.materials import Material, load_materials
-from paint3d.core.arrays import as_number
-from paint3d.core.atomic import write_atomically
 from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError, ExportError, InputError, Message, Paint3DError
