@@ -141,10 +141,14 @@ def _list(table: Path | None, ink: str | None) -> None:
     from paint3d.colour.inks import own_inks
     from paint3d.colour.pigments import load_palette, load_pigments_csv
 
-    pigments, own = {}, {} if ink is None else {ink: ink}
-    if ink is None:
-        pigments = load_palette() if table is None else load_pigments_csv(table)
-        own = own_inks() if table is None else {}
+    pigments: Mapping[str, Pigment] = {}
+    own: Mapping[str, str] = {}
+    if ink is not None:
+        own = {ink: ink}
+    elif table is not None:
+        pigments = load_pigments_csv(table)
+    else:
+        pigments, own = load_palette(), own_inks()
     lines = swatches_table(pigments.values(), sys.stdout.isatty(), terminal_columns(), own)
     sys.stdout.write("\n".join(lines) + "\n")
     if table is not None and any(p.basis == "masstone" for p in pigments.values()):
@@ -259,12 +263,13 @@ def swatches_table(
     return table_lines(rows, columns, colour)
 
 
-def _swatch(stirred: Mapping[Pigment, float], coats: float) -> str:
+def _swatch(ink: Mapping[Pigment, float], coats: float) -> str:
     """Colour as #rrggbb of so many coats on porcelain."""
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
     from paint3d.colour.spectra import srgb_from_reflectance
 
     ground = load_material("porcelain").reflectance
+    stirred: dict[str | Pigment, float] = {**ink}
     film = mixture_reflectance(stirred, coats, ground, by_volume=True)
     return hexadecimal(srgb_from_reflectance(film))
