@@ -270,6 +270,6 @@ def _swatch(ink: Mapping[Pigment, float], coats: float) -> str:
     from paint3d.colour.spectra import srgb_from_reflectance
 
     ground = load_material("porcelain").reflectance
-    stirred: dict[str | Pigment, float] = {**ink}
+    stirred: dict[str | Pigment, float] = dict(ink.items())
     film = mixture_reflectance(stirred, coats, ground, by_volume=True)
     return hexadecimal(srgb_from_reflectance(film))
