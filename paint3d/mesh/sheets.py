@@ -17,6 +17,7 @@ __all__ = ["FORMS", "Form", "Sheet", "is_sheet", "parse_sheet"]
 
 _LEAST_MM, _MOST_MM = 10.0, 5000.0
 _DETAIL_MM, _COARSER_MM, _LARGE_MM = 0.4, 0.6, 1000.0
+_FINEST_MM, _ACROSS = 0.15, 600.0  # of small sheets: so many vertices along the longer side
 _SIZE = re.compile(r"(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?")
 
 
@@ -139,7 +140,10 @@ class Sheet:
     @property
     def detail_mm(self) -> float:
         """Distance of vertices that suits it, mm: its characters grow with it."""
-        return _DETAIL_MM if max(self.size) < _LARGE_MM else _COARSER_MM
+        longest = max(self.size)
+        if longest >= _LARGE_MM:
+            return _COARSER_MM
+        return min(_DETAIL_MM, max(_FINEST_MM, round(longest / _ACROSS, 2)))
 
     @property
     def size(self) -> tuple[float, float]:

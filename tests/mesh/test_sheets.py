@@ -67,6 +67,11 @@ def test_a_sheet_is_of_what_suits_it_and_its_mount_keeps_its_silk() -> None:
         assert (surface.srgb[outside] == (203, 194, 170)).all()
 
 
+def test_small_sheets_have_finer_paint_for_their_characters_are_small() -> None:
+    names = ("sheet:60x60", "sheet:160x50", "a4", "square", "scroll")
+    assert [parse_sheet(name).detail_mm for name in names] == [0.15, 0.27, 0.4, 0.4, 0.6]
+
+
 def test_text_keeps_to_the_margin_of_a_mounted_sheet() -> None:
     surface = ClosestPoints(load_mesh("scroll:340x690:margin=40:mounted"))
     placed = layout_text(surface, "牀前明月光\n疑是地上霜", 120.0)
