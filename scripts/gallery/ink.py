@@ -314,7 +314,7 @@ def bloom(folder: Path) -> None:
     drop(surface, (-48, -20), 11.0, wash, even=True)
     drop(surface, (-4, -20), 11.0, wash, even=True)
     drop(surface, (36, -20), 9.0, {"pine soot": 0.2, "water": 1.4}, even=True)
-    surface.diffuse(30.0)
+    surface.diffuse(190.0)  # half dry
     drop(surface, (-50, -18), 2.6, {"water": 6.0})
     for x, y in ((-9, -16), (1, -25), (3, -14)):
         drop(surface, (x, y), 1.4, {"water": 6.0, "pine soot": 0.1})
