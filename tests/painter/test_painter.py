@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from paint3d.brush.bending import build_tuft
+from paint3d.brush.bending import tuft_on
 from paint3d.brush.presets import load_brush
+from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import load_pigment
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import InputError, RecordingError, UnknownNameError
@@ -475,7 +476,8 @@ def painted_widths(hairs: int | None, azimuth: str) -> tuple[NDArray, NDArray, f
 @pytest.mark.parametrize(("hairs", "narrower"), [(None, 0.04), (1000, 0.32)])
 def test_a_tail_is_as_long_as_the_way_that_a_footprint_is_narrow(hairs, narrower, azimuth):
     """No lag and no raster shortens it, and nothing of it swells; hairs end .9 mm sooner."""
-    meant, half = lift_off(build_tuft(load_brush("full")), BEGINS, LIFT_MM)
+    glaze = load_material("porcelain")
+    meant, half = lift_off(tuft_on(load_brush("full"), glaze), BEGINS, LIFT_MM)
     at, width, end = painted_widths(hairs, azimuth)
     on_the_way = at < end - 0.5 * COLUMN
     at, width = at[on_the_way], width[on_the_way]
