@@ -22,6 +22,7 @@ from paint3d.calligraphy.planning import on_paper
 from paint3d.calligraphy.timing import Motion
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import resample_to, unit_vectors
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 
@@ -62,6 +63,7 @@ _FULLNESS = 3.0  # of a dip: streaks of a brush that is nearly dry are as black 
 _NEXT = 0.04  # of itself, or of a tenth of a dip: by how much a load must differ to be told anew
 _MOST_CHANGES = 1500  # loads in a header, whose line has no more room
 _DECIMALS = 4
+_PLACES = 400  # of a line, of which each point has its nearest
 
 
 def stations_of_motion(
@@ -85,8 +87,7 @@ def stations_of_motion(
     station = np.full(len(motion.time_s), np.nan)
     depth = np.clip(-motion.height, footprints.descents[0], footprints.descents[-1])
     ahead = np.interp(depth, footprints.descents, footprints.centroids)
-    bend = np.stack([np.cos(motion.azimuth), np.sin(motion.azimuth)], axis=1)
-    middle = motion.handle + ahead[:, None] * bend
+    middle = motion.handle + ahead[:, None] * unit_vectors(motion.azimuth)
     first = 0
     for k, stroke in enumerate(glyph.strokes):
         mine, n = np.flatnonzero(motion.stroke == k), len(stroke.dryness)
@@ -108,17 +109,14 @@ def _station_along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
 
     A stroke may cross itself: each point is looked for near the one before.
     """
-    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    way = np.concatenate([[0.0], np.cumsum(steps)])
-    fine = np.linspace(0.0, way[-1], 400)
-    places = np.column_stack([np.interp(fine, way, line[:, k]) for k in (0, 1)])
+    places = resample_to(line, _PLACES)
     at = np.empty(len(points))
     last = 0
     for k, point in enumerate(points):
-        first, end = max(0, last - 20), min(len(fine), last + 60)
+        first, end = max(0, last - 20), min(_PLACES, last + 60)
         off = np.linalg.norm(places[first:end] - point, axis=1)
         last = first + int(np.argmin(off))
-        at[k] = last / (len(fine) - 1)
+        at[k] = last / (_PLACES - 1)
     return np.maximum.accumulate(at)
 
 

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.polyline import bezier_points
 from paint3d.core.arrays import as_array
+from paint3d.core.polyline import bezier_points
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:

@@ -18,8 +18,8 @@ from paint3d.calligraphy.centre_line import CentreLine, OutlineField, smooth_alo
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.lag_compensation import TRIALS, DraggedPath, Lead, pull, refine_pull
-from paint3d.calligraphy.polyline import arc_lengths
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, interpolate, unit_vectors
 from paint3d.errors import InputError
 
 __all__ = ["TECHNIQUES", "FittedLine", "PathFitter", "PlanSettings", "StrokePath"]
@@ -208,8 +208,8 @@ class PathFitter:
             path = _add_touch_and_lift(*pull(lead), self.footprints)
         else:
             level = _smooth_levels(level)
-            bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
-            handle = centre - self.footprints.centroid_at(level)[:, None] * bend
+            reach = self.footprints.centroid_at(level)
+            handle = centre - reach[:, None] * unit_vectors(azimuth)
             whole = np.ones(len(level))
             path = _add_touch_and_lift(handle, azimuth, centre, level, whole, self.footprints)
         return path, self.field.inside & ~self._painted(path)
@@ -346,9 +346,8 @@ def _smooth_path(
     centre = line.points + shift[:, None] * line.normals
     way = arc_lengths(centre)
     at = np.linspace(0.0, way[-1], max(8, math.ceil(way[-1] / step)) + 1)
-    dense = [np.interp(at, way, values) for values in (centre[:, 0], centre[:, 1], azimuth)]
-    sigma = line.step / step
-    smooth = smooth_along(np.stack(dense, axis=1), sigma)
+    dense = interpolate(at, way, np.column_stack([centre, azimuth]))
+    smooth = smooth_along(dense, line.step / step)
     return np.ascontiguousarray(smooth[:, :2]), np.ascontiguousarray(smooth[:, 2])
 
 

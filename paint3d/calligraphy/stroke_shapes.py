@@ -24,8 +24,8 @@ from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
-from paint3d.calligraphy.polyline import resample_to
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import headings_of, interpolate, line_length, resample_to
 from paint3d.errors import InputError
 
 __all__ = [
@@ -87,7 +87,7 @@ class StrokeSegment:
     @property
     def length(self) -> float:
         """In the units of the points."""
-        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+        return line_length(self.points)
 
     def stations(self, half_width: float, before: float, after: float) -> NDArray[np.float64]:
         """Distances (2 ZONE + BODY,) along the segment; it goes on straight before and after."""
@@ -108,10 +108,7 @@ class StrokeSegment:
         tangents = np.gradient(self.points, axis=0)
         tangents = gaussian_filter1d(tangents, 0.04 * len(way), axis=0, mode="nearest")
         tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-9)
-        point, tangent = (
-            np.stack([np.interp(inside, way, values[:, k]) for k in range(2)], axis=1)
-            for values in (self.points, tangents)
-        )
+        point, tangent = (interpolate(inside, way, values) for values in (self.points, tangents))
         tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
         point = point + (np.asarray(distances) - inside)[:, None] * tangent
         return point, np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
@@ -256,7 +253,7 @@ def _guess_type(line: AnyArray) -> tuple[str, dict[str, Any]]:
 def _drop_end_bend(segment: StrokeSegment) -> StrokeSegment:
     """A segment without the bend at its end with which it leads into a hook."""
     way = np.diff(segment.points, axis=0)
-    heading = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
+    heading = headings_of(way)
     n = len(heading)
     first = int(_STEADY * n)
     straying = np.abs(heading[first:] - heading[first]) > _STRAYS

@@ -19,6 +19,7 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 from paint3d.calligraphy.centre_line import smooth_along
 from paint3d.calligraphy.path_fit import StrokePath
 from paint3d.core.arrays import AnyArray, as_number
+from paint3d.core.polyline import interpolate
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError
 
@@ -144,7 +145,7 @@ def _even_path(poses: AnyArray, em_mm: float) -> tuple[NDArray[np.float64], floa
     way = np.r_[0.0, np.cumsum(steps[steps > 1e-9])]
     n = max(24, len(way))
     even = np.linspace(0.0, way[-1], n)
-    path = np.stack([np.interp(even, way, column) for column in poses[kept].T], axis=1)
+    path = interpolate(even, way, poses[kept])
     return smooth_along(path, _FINEST_CURVE * em_mm * (n - 1) / way[-1]), float(way[-1])
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
+from paint3d.core.polyline import interpolate
 from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
@@ -294,7 +295,7 @@ class SurfaceLine:
             distance %= self.length
         j = max(0, bisect_left(self._arc_lengths, distance) - 1)
         ends, points = self._arc_lengths[j : j + 2], np.array(self._points[j : j + 2])
-        return np.array([np.interp(distance, ends, points[:, k]) for k in range(3)])
+        return interpolate(distance, np.array(ends), points)
 
 
 def walk(

@@ -17,8 +17,8 @@ import numpy as np
 from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.optional_packages import import_optional
 from paint3d.calligraphy.page.page import fill_rings
-from paint3d.calligraphy.polyline import bezier_points
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import bezier_points
 from paint3d.errors import InputError, Message
 
 if TYPE_CHECKING:

@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Box, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece
-from paint3d.calligraphy.polyline import arc_lengths, points_at
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, points_at
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:

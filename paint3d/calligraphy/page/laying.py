@@ -14,18 +14,18 @@ from dataclasses import dataclass, replace
 from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph
 from paint3d.calligraphy.layout import (
     Layout,
+    TextPlace,
     WritingArea,
     find_writing_areas,
     frames_to_try,
     upright_frame,
-    walking_step,
     with_suggestion,
 )
 from paint3d.calligraphy.page.page import Composer, Page, Piece, bounds_of
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
-from paint3d.mesh.placement import SurfaceLine, walk
+from paint3d.mesh.placement import SurfaceLine
 
 __all__ = ["PlacedPiece", "lay_page"]
 
@@ -164,23 +164,13 @@ def _far_too_large(
     )
 
 
-class _Sheet:
+class _Sheet(TextPlace):
     """A page's lines up and along, around one place of a surface."""
 
-    def __init__(
-        self,
-        area: WritingArea,
-        em_mm: float,
-        layout: Layout,
-        limits: SquareLimits,
-        middle: SurfaceFrame,
-    ) -> None:
-        self.surface = area.surface
-        self.em_mm, self.layout, self.limits = em_mm, layout, limits
-        self.middle, self.scale = middle, em_mm / EM_UNITS
-        self.up = area.upright(middle.normal, layout)
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.scale = self.em_mm / EM_UNITS
         self.too_small: MeshError | None = None  # why pages were not even composed
-        self._climbs: dict[float, SurfaceLine] = {}
         self._levels: dict[tuple[float, float], SurfaceLine] = {}
 
     def pages(self, composer: Composer) -> Iterator[Page]:
@@ -194,7 +184,7 @@ class _Sheet:
             length = share * room / self.scale
             along, across = (self.scale * size for size in composer.least_size(length))
             if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._depth(composer):
-                self.too_small = self.too_small or self._line_ends()
+                self.too_small = self.too_small or self.surface_ends()
                 continue
             following = composer.compose(length)
             if following is not page:
@@ -204,20 +194,14 @@ class _Sheet:
     def _depth(self, composer: Composer) -> float:
         """Room across the lines, mm."""
         if not composer.runs_down:
-            return sum(self._climb(sign).length for sign in (1.0, -1.0))
+            return sum(self.climb(sign).length for sign in (1.0, -1.0))
         right = self._level(0.0, 1.0)
         return right.length if right.closed else right.length + self._level(0.0, -1.0).length
-
-    def _line_ends(self) -> MeshError:
-        return MeshError(
-            "{object}: the surface ends within the text",
-            object=self.surface.mesh.name,
-        )
 
     def _room(self, composer: Composer) -> float:
         """Greatest length of a line of text, mm."""
         if composer.runs_down:
-            return sum(self._climb(sign).length for sign in (1.0, -1.0))
+            return sum(self.climb(sign).length for sign in (1.0, -1.0))
         right = self._level(0.0, 1.0)
         if right.closed:
             return right.length
@@ -320,13 +304,7 @@ class _Sheet:
             If it does not come back to its start, or is shorter than `least`, glyph units.
         """
         ring = self._level(round(height, 6), 1.0)
-        if not ring.closed:
-            raise MeshError(
-                "{object}: the level line of the place does not come back to its start; expected a "
-                "body that can be written around",
-                object=self.surface.mesh.name,
-                hint="where it lies on its side, --up says which axis of the file points up",
-            )
+        self.check_closed(ring)
         wanted = ring.length / self.scale
         if least > wanted * (1.0 + _ROUNDING):
             raise MeshError(
@@ -347,8 +325,8 @@ class _Sheet:
             level, x = self._level(round(y, 6), -1.0), -x
         too_wide = not in_ribbon and self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
         if too_wide if level.closed else x > level.length:
-            raise self._line_ends()
-        frame = upright_frame(self.surface, level.at(x), self.up)
+            raise self.surface_ends()
+        frame = self.frame(level.at(x))
         box = piece.glyph.box
         size = self.scale * (box[2] - box[0]), self.scale * (box[3] - box[1])
         square = lay_square(self.surface, frame, self.em_mm, self.limits, size)
@@ -357,18 +335,9 @@ class _Sheet:
     def _level(self, height: float, sign: float) -> SurfaceLine:
         """The level line to the right, or with -1 to the left, so many mm above the middle."""
         if (height, sign) not in self._levels:
-            climb = self._climb(math.copysign(1.0, height))
+            climb = self.climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
-                raise self._line_ends()
-            frame = upright_frame(self.surface, climb.at(abs(height)), self.up)
-            self._levels[height, sign] = self._walk(frame, (sign, 0.0))
+                raise self.surface_ends()
+            frame = self.frame(climb.at(abs(height)))
+            self._levels[height, sign] = self.walk(frame, (sign, 0.0))
         return self._levels[height, sign]
-
-    def _climb(self, sign: float) -> SurfaceLine:
-        """The line straight up from the middle, or with -1 straight down."""
-        if sign not in self._climbs:
-            self._climbs[sign] = self._walk(self.middle, (0.0, sign))
-        return self._climbs[sign]
-
-    def _walk(self, start: SurfaceFrame, bearing: tuple[float, float]) -> SurfaceLine:
-        return walk(self.surface, start, self.up, bearing, None, walking_step(self.em_mm))

@@ -44,10 +44,10 @@ from paint3d.calligraphy.page.svg_clips import (
     tag_of,
 )
 from paint3d.calligraphy.page.svg_lengths import in_numbers
-from paint3d.calligraphy.polyline import arc_lengths, bezier_points
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.arrays import AnyArray
 from paint3d.core.foreign_xml import XmlFault, parse_xml
+from paint3d.core.polyline import arc_lengths, bezier_points, interpolate
 from paint3d.errors import InputError, Message
 
 if TYPE_CHECKING:
@@ -932,6 +932,6 @@ def _extend_closed(ink: _Ink) -> AnyArray:
         return ink.line
     way = arc_lengths(ink.line)
     after = np.flatnonzero((way > 0.0) & (way < 0.5 * ink.width))
-    last = [np.interp(0.5 * ink.width, way, ink.line[:, k]) for k in range(2)]
+    last = interpolate(0.5 * ink.width, way, ink.line)
     result: AnyArray = np.concatenate([ink.line, ink.line[after], [last]])
     return result

@@ -45,10 +45,10 @@ from paint3d.calligraphy.photo.sheet import (
     white_on_dark,
     whole_picture,
 )
-from paint3d.calligraphy.polyline import line_length, signed_area
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.colour.spectra import srgb_from_linear
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length, signed_area
 from paint3d.errors import InputError, Message
 
 if TYPE_CHECKING:

@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.polyline import arc_lengths, signed_area
 from paint3d.calligraphy.shapes.regions import InkStroke
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, interpolate, signed_area
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -358,8 +358,8 @@ def _taper(line: AnyArray, region: Polygon) -> float:
 
     way = arc_lengths(line)
     at = way[-1] * np.array([_NEAR_ENDS, np.subtract(1.0, _NEAR_ENDS)])
-    places = [np.interp(at.ravel(), way, line[:, axis]) for axis in (0, 1)]
-    away = shapely.distance(shapely.points(*places), region.boundary)
+    places = interpolate(at.ravel(), way, line)
+    away = shapely.distance(shapely.points(places), region.boundary)
     first, last = away.reshape(2, -1).sum(axis=1)
     if not (first > 0.0 and last > 0.0):  # a line outside of its region, which has none
         return 0.0

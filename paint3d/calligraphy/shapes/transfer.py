@@ -14,13 +14,13 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.polyline import line_length, resample
 from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, turns_between
 from paint3d.calligraphy.shapes.corners import cut_branch
 from paint3d.calligraphy.shapes.ductus import directed
 from paint3d.calligraphy.shapes.regions import Ink, InkStroke, line_of
 from paint3d.calligraphy.shapes.skeleton import Branch
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length, resample
 
 __all__ = [
     "STARTS",

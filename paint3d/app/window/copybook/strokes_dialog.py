@@ -25,6 +25,7 @@ from paint3d.calligraphy.page.correcting import CorrectedPage, Steps
 from paint3d.calligraphy.page.page import Page, bounds_of
 from paint3d.calligraphy.page.strokes_file import save_strokes
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length, points_at
 from paint3d.errors import Message, Paint3DError
 
 if TYPE_CHECKING:
@@ -854,7 +855,8 @@ class StrokesDialog(QtWidgets.QDialog):
         self.view.chosen = k
         self.view.cut = None
         if self._mode == "split" and k is not None:
-            self.view.cut = _along(now.strokes[k].stroke.median, self._cut_at)
+            line = now.strokes[k].stroke.median
+            self.view.cut = points_at(line, self._cut_at * line_length(line))
         can = dict.fromkeys(self.buttons, self._mode != "corners" and k is not None)
         is_still = self._mode != "corners"
         can |= {
@@ -939,10 +941,3 @@ def _commands(event: QtGui.QKeyEvent) -> bool:
     """Whether Ctrl or the like is held."""
     held = QtCore.Qt.KeyboardModifier
     return bool(event.modifiers() & (held.ControlModifier | held.AltModifier | held.MetaModifier))
-
-
-def _along(line: NDArray[np.float64], fraction: float) -> NDArray[np.float64]:
-    """The place so far along a line."""
-    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    way = np.concatenate([[0.0], np.cumsum(steps)])
-    return np.array([np.interp(fraction * way[-1], way, line[:, axis]) for axis in (0, 1)])
