@@ -280,8 +280,7 @@ def _to_page(piece: Piece) -> NDArray[np.float64]:
 
 
 def _translate(stroke: GlyphStroke, by: AnyArray) -> GlyphStroke:
-    holes = tuple(hole + by for hole in stroke.holes)
-    return replace(stroke, outline=stroke.outline + by, median=stroke.median + by, holes=holes)
+    return stroke.mapped(lambda points: points + by)
 
 
 def _reverse_order(stroke: GlyphStroke) -> GlyphStroke:
@@ -298,13 +297,6 @@ def _bound_strokes(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
     if (low >= np.array(box[:2]) - reach).all() and (high <= np.array(box[2:]) + reach).all():
         return box
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
-
-
-def _as_stroke(
-    region: Polygon, median: AnyArray, dryness: Sequence[float], strength: float
-) -> GlyphStroke:
-    rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
-    return GlyphStroke(rings[0], median, tuple(rings[1:]), tuple(dryness), strength)
 
 
 def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphStroke]:
@@ -332,7 +324,7 @@ def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphS
     regions = _part_region(stroke.polygon(), stroke.median, cut)
     drynesses = _part_dryness(stroke.dryness, cut / length)
     first, second = (
-        _as_stroke(region, own, dry, stroke.strength)
+        GlyphStroke.filling(region, own, dry, stroke.strength)
         for region, own, dry in zip(regions, lines, drynesses, strict=True)
     )
     return first, second
@@ -440,7 +432,7 @@ def _join_strokes(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
     if a.dryness or b.dryness:
         dryness = _concatenate_dryness((a.dryness, b.dryness), lengths)
     strength = float(np.average([a.strength, b.strength], weights=np.maximum(lengths, 1e-9)))
-    return _as_stroke(region, np.concatenate([a.median, following]), dryness, strength)
+    return GlyphStroke.filling(region, np.concatenate([a.median, following]), dryness, strength)
 
 
 def _concatenate_dryness(

@@ -33,13 +33,14 @@ from paint3d.calligraphy.page.page import (
     bounds_of,
     fill_rings,
     polygons_of,
-    rings_of,
 )
 from paint3d.calligraphy.page.svg_clips import (
     CLIPS,
     HREFS,
     SHAPES,
+    elements_by_id,
     mark_clipped,
+    reference_of,
     tag_like,
     tag_of,
 )
@@ -316,7 +317,7 @@ def _external_references(name: str, reference: str) -> InputError:
 
 def _count(root: ElementTree.Element, name: str) -> None:
     """Refuse a drawing with too many elements once what it uses stands in its place."""
-    named = {key: element for element in root.iter() if (key := element.get("id"))}
+    named = elements_by_id(root)
     sizes: dict[ElementTree.Element, int] = {}
     open_now: set[ElementTree.Element] = set()
 
@@ -331,8 +332,8 @@ def _count(root: ElementTree.Element, name: str) -> None:
             open_now.add(element)
             total = 1 + sum(size(child) for child in element)
             if tag_of(element) == "use":
-                used = next(filter(None, map(element.get, HREFS)), "#").lstrip("#")
-                total += size(named[used]) if used in named else 0
+                used = named.get(reference_of(element))
+                total += 0 if used is None else size(used)
             open_now.discard(element)
             sizes[element] = total
         return sizes[element]
@@ -375,8 +376,7 @@ def in_place(root: Element) -> Element:
     Element
         The root of another one that draws the same.
     """
-    named = {key: element for element in root.iter() if (key := element.get("id"))}
-    return _place_element(root, named)
+    return _place_element(root, elements_by_id(root))
 
 
 def _place_element(element: Element, named: dict[str, Element]) -> Element:
@@ -398,8 +398,7 @@ def _place_element(element: Element, named: dict[str, Element]) -> Element:
 
 def _used_element(use: Element, named: dict[str, Element]) -> Element | None:
     """The symbol or drawing that a use is of; none where it is of something else."""
-    href = next(filter(None, map(use.get, HREFS)), "#")
-    used = named.get(href.lstrip("#"))
+    used = named.get(reference_of(use))
     return used if used is not None and tag_of(used) in ("svg", "symbol") else None
 
 
@@ -891,8 +890,7 @@ def _strokes(ink: _Ink) -> list[GlyphStroke]:
     if ink.line is None:
         taken = _decompose_ink(ink)
     elif len(ink.shape.geoms) == 1:
-        outer, holes = rings_of(ink.shape.geoms[0])
-        taken = [GlyphStroke(outer, _extend_closed(ink), tuple(holes))]
+        taken = [GlyphStroke.filling(ink.shape.geoms[0], _extend_closed(ink))]
     else:  # white has cut it
         taken = _decompose_ink(ink)
     if not any(is_wide(stroke) for stroke in taken):
@@ -932,6 +930,6 @@ def _extend_closed(ink: _Ink) -> AnyArray:
         return ink.line
     way = arc_lengths(ink.line)
     after = np.flatnonzero((way > 0.0) & (way < 0.5 * ink.width))
-    last = interpolate(0.5 * ink.width, way, ink.line)
-    result: AnyArray = np.concatenate([ink.line, ink.line[after], [last]])
+    last = interpolate([0.5 * ink.width], way, ink.line)
+    result: AnyArray = np.concatenate([ink.line, ink.line[after], last])
     return result

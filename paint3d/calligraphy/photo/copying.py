@@ -406,14 +406,14 @@ def _set_strengths(
     strong = []
     for piece, own in zip(pieces, taken, strict=True):
         strokes = tuple(
-            replace(stroke, strength=_strength(t / black))
+            replace(stroke, strength=_round_strength(t / black))
             for stroke, t in zip(piece.glyph.strokes, own, strict=True)
         )
         strong.append(replace(piece, glyph=replace(piece.glyph, strokes=strokes)))
     return strong
 
 
-def _strength(share: float) -> float:
+def _round_strength(share: float) -> float:
     """A share of what black ink takes as a stroke says it; what is nearly black is."""
     return 1.0 if share > _NEARLY else max(round(share, 3), LEAST_STRENGTH)
 

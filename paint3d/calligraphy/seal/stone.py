@@ -21,7 +21,7 @@ from paint3d.calligraphy.fonts.shaping import Shaper, Style
 from paint3d.calligraphy.fonts.typesetting import is_written_down
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
-from paint3d.calligraphy.page.page import as_multipolygon, rings_of
+from paint3d.calligraphy.page.page import as_multipolygon
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import InputError
 
@@ -303,10 +303,11 @@ def _cut(
         inked = unary_union([stone.difference(stone.buffer(-_FRAME)), written])
     scale = size_mm / max(sides)
     face = transform(inked.simplify(_SIMPLER), lambda points: scale * points)
-    rings: list[NDArray[np.float64]] = []
-    for part in as_multipolygon(face).geoms:
-        outer, holes = rings_of(part)
-        rings += [outer, *holes]
+    rings = [
+        np.array(ring.coords)[:-1]
+        for part in as_multipolygon(face).geoms
+        for ring in (part.exterior, *part.interiors)
+    ]
     area, length = written.area, written.length
     return Seal(
         text=text,

@@ -228,8 +228,6 @@ def _decompose_by_template(
 
 
 def _stroke(piece: InkStroke, low: NDArray[np.float64], size: float) -> GlyphStroke:
-    """A piece as a stroke of the outline's frame: rings without their last point."""
-    region = piece.region
-    rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
-    outer, line, *holes = (low + size * points for points in (rings[0], piece.line, *rings[1:]))
-    return GlyphStroke(outer, line, tuple(holes))
+    """A piece as a stroke of the outline's frame."""
+    stroke = GlyphStroke.filling(piece.region, piece.line)
+    return stroke.mapped(lambda points: low + size * points)

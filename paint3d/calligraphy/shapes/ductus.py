@@ -141,11 +141,16 @@ def known_strokes(source: GlyphSource, text: str) -> tuple[Glyph, ...]:
 
 def _parse_strokes(lines: str) -> tuple[GlyphStroke, ...]:
     """The strokes of lines that are written as points "x,y x,y; x,y x,y"."""
-    strokes = [
-        np.array([[float(x) for x in point.split(",")] for point in line.split()])
-        for line in lines.split(";")
-    ]
-    return tuple(GlyphStroke(np.empty((0, 2)), line) for line in strokes)
+    return tuple(_without_outline(_parse_line(line)) for line in lines.split(";"))
+
+
+def _parse_line(line: str) -> NDArray[np.float64]:
+    """The points (N, 2) that are written as "x,y x,y"."""
+    return np.array([[float(x) for x in point.split(",")] for point in line.split()])
+
+
+def _without_outline(line: NDArray[np.float64]) -> GlyphStroke:
+    return GlyphStroke(np.empty((0, 2)), line)
 
 
 # ---- Arabic letters ------------------------------------------------------------------------------
@@ -299,20 +304,15 @@ def body_strokes(letters: Sequence[PlacedLetter]) -> Glyph | None:
     for one in letters:
         listed = _BY_LETTER.get(one.character, {}).get(one.form)
         found = found or listed is not None
-        lines = [_place_letter(line, one.box) for line in (listed or "1,.2 0,.2").split(";")]
+        low, size = one.box[:2], one.box[2:] - one.box[:2]
+        lines = [low + _parse_line(p) * size for p in (listed or "1,.2 0,.2").split(";")]
         way.append(lines[0])
         added += lines[1:]
     if not found:
         return None
     text = "".join(one.character for one in letters)
     lines = [np.concatenate(way), *added]
-    return Glyph(text, tuple(GlyphStroke(np.empty((0, 2)), line) for line in lines))
-
-
-def _place_letter(line: str, box: AnyArray) -> NDArray[np.float64]:
-    points = np.array([[float(x) for x in point.split(",")] for point in line.split()])
-    placed: NDArray[np.float64] = box[:2] + points * (box[2:] - box[:2])
-    return placed
+    return Glyph(text, tuple(map(_without_outline, lines)))
 
 
 # ---- Unknown characters --------------------------------------------------------------------------

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.centre_line import smooth_along
 from paint3d.calligraphy.glyphs import GlyphStroke
-from paint3d.calligraphy.page.page import polygons_of, rings_of
+from paint3d.calligraphy.page.page import polygons_of
 from paint3d.calligraphy.shapes.continuation import Chain
 from paint3d.calligraphy.shapes.skeleton import Junction, Skeleton
 from paint3d.calligraphy.shapes.triangles import Triangles
@@ -271,8 +271,7 @@ def _make_stub(part: Polygon, region: Polygon, line: LineString, half: float) ->
     if longest is None or not longest.length > _SHORTEST * half:
         return None
     ends = np.asarray(longest.coords)
-    outer, holes = rings_of(own)
-    return GlyphStroke(outer, np.linspace(ends[0], ends[-1], 9), tuple(holes))
+    return GlyphStroke.filling(own, np.linspace(ends[0], ends[-1], 9))
 
 
 def _direction(way: AnyArray) -> AnyArray:
