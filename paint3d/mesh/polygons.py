@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 
-__all__ = ["triangulate"]
+__all__ = ["face_normals", "grid_faces", "triangulate"]
 
 MAX_CORNERS = 100_000
 MAX_CONCAVE_CORNERS = 5_000  # ear clipping takes quadratic time: 5,000 corners are about a second
@@ -15,6 +16,22 @@ MAX_EAR_TESTS = 100_000  # of about 20 us each: corners looked at in one polygon
 MAX_FORCED_CUTS = 10  # where an outline crosses itself; after that no cut is better than a fan
 SAME_AREA = 1e-6
 ROUNDING = 1e-12  # of coordinates, in the extent of the polygon
+
+
+def grid_faces(rows: int, columns: int) -> NDArray[np.int64]:
+    """Triangles (F, 3) of a grid of points, numbered row by row; they face up where rows go up."""
+    number = np.arange(rows * columns).reshape(rows, columns)
+    a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
+    c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()
+    return np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
+
+
+def face_normals(corners: AnyArray) -> NDArray[np.float64]:
+    """Unit normals (F, 3) of triangles by their corners (F, 3, 3); 0 for those without area."""
+    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(crossed, axis=1, keepdims=True)
+    normals: NDArray[np.float64] = crossed / np.maximum(lengths, 1e-300)
+    return normals
 
 
 def triangulate(

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import unit_vectors
 from paint3d.errors import InputError
 from paint3d.mesh.sheets import Sheet, is_sheet, parse_sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -289,7 +290,7 @@ def _border(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
         beyond = np.stack([rim[:, 0], np.full(len(rim), to)], axis=1)
         near, far = n + np.arange(len(rim)), n + len(rim) + np.arange(len(rim))
         a, b, c, d = near[:-1], near[1:], far[1:], far[:-1]
-        quads = np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3)
+        quads = _halve_quads(a, b, c, d)
         points += [rim, beyond]
         faces.append(quads if to == high else quads[:, ::-1])
         n += 2 * len(rim)
@@ -299,7 +300,7 @@ def _border(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
         near = np.stack([np.full(4, upper[k, 0]), inner], axis=1)
         far = np.stack([np.full(4, x), inner], axis=1)
         a, b = n + np.arange(3), n + 1 + np.arange(3)
-        quads = np.stack([a, b, b + 4, a, b + 4, a + 4], axis=1).reshape(-1, 3)
+        quads = _halve_quads(a, b, b + 4, a + 4)
         points += [near, far]
         faces.append(quads if k == 0 else quads[:, ::-1])
         n += 8
@@ -313,6 +314,11 @@ def _border(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
     return points3, every
 
 
+def _halve_quads(a: AnyArray, b: AnyArray, c: AnyArray, d: AnyArray) -> AnyArray:
+    """Two triangles (2 N, 3) of each quadrilateral of N corners a, b, c and d."""
+    return np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3)
+
+
 def _rims(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
     """The upper and the lower rim (N, 2) of the paper, both from left to right."""
     w, h = 0.5 * sheet.width_mm, 0.5 * sheet.height_mm
@@ -322,7 +328,7 @@ def _rims(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
     if sheet.usual.shape == "disc":
         n = 3 * max(2, round(w / _CURVED_EDGE_MM))
         turn = np.pi * (1.0 - np.arange(n + 1) / n)
-        upper = w * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        upper = w * unit_vectors(turn)
         return upper, upper * [1.0, -1.0]
     outer, inner, apex, _ = fan_of(sheet)
     n = max(1, round(2.0 * _HALF_OPENING * outer / _CURVED_EDGE_MM))
@@ -345,7 +351,7 @@ def _rod(left: float, right: float, y: float, radius: float) -> tuple[AnyArray, 
     faces = []
     for j in range(n_x):
         a, b, c, d = (_AROUND * j + part for part in (k, on, _AROUND + on, _AROUND + k))
-        faces.append(np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3))
+        faces.append(_halve_quads(a, b, c, d))
     n, last = len(points), n_x * _AROUND
     faces.append(np.stack([np.full(_AROUND, n), on, k], axis=1))
     faces.append(np.stack([np.full(_AROUND, n + 1), last + k, last + on], axis=1))

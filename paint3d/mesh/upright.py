@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import UnknownNameError
+from paint3d.mesh.sampling import sample_evenly
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["UP_AXES", "Upright", "guess_up", "stand_on", "turn_mesh", "turn_rows", "turn_up"]
@@ -208,15 +209,7 @@ def _find_mirrors(points: AnyArray, size: float) -> list[bool]:
 
 def _sample_evenly(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return points (N, 3) spread evenly over the surface."""
-    n = 16 * _CELLS**2
-    ends = np.cumsum(mesh.double_areas)
-    at = (np.arange(n) + 0.5) / n * ends[-1]
-    face = np.minimum(np.searchsorted(ends, at), mesh.n_faces - 1)
-    # two irrational steps spread the points over each triangle (Roberts' sequence)
-    u, v = ((np.arange(n) * step) % 1.0 for step in (0.7548776662466927, 0.5698402909980532))
-    over = u + v > 1.0
-    u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
-    weights = np.stack([1.0 - u - v, u, v], axis=1)
+    face, weights = sample_evenly(mesh, 16 * _CELLS**2)
     result: NDArray[np.float64] = np.einsum(
         "nc,nci->ni", weights, mesh.vertices[mesh.faces[face]].astype(np.float64)
     )

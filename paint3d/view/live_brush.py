@@ -472,10 +472,7 @@ def _whole_faces(landed: AnyArray) -> NDArray[np.int32]:
 def _faces_of(landed_bytes: bytes, shape: tuple[int, int]) -> NDArray[np.int32]:
     rows, columns = shape
     landed = np.frombuffer(landed_bytes, bool).reshape(shape)
-    number = np.arange(rows * columns).reshape(rows, columns)
-    a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
-    c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()
-    faces = np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
+    faces = grid_faces(rows, columns)
     result: NDArray[np.int32] = faces[landed.ravel()[faces].all(axis=1)].astype(np.int32)
     return result
 

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
+from paint3d.mesh.polygons import face_normals
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.surface.eraser import give_back
 from paint3d.surface.painted_surface import PaintedSurface
@@ -148,7 +149,7 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
         raise InputError("face {face}; expected 0 to {last}", face=pick.face, last=n - 1)
     one, two = _joined_faces(mesh)
     if pick.up_to == "crease":
-        normals = _face_normals(mesh)
+        normals = face_normals(mesh.vertices[mesh.base_faces].astype(np.float64))
         cosine = np.einsum("ij,ij->i", normals[one], normals[two])
         smooth = cosine >= math.cos(math.radians(pick.degrees)) - 1e-9
         one, two = one[smooth], two[smooth]
@@ -169,13 +170,6 @@ def _joined_faces(mesh: PaintMesh) -> tuple[AnyArray, AnyArray]:
     edges, owner = edges[order], owner[order]
     same = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
     return owner[same], owner[same + 1]
-
-
-def _face_normals(mesh: PaintMesh) -> AnyArray:
-    corners = mesh.vertices[mesh.base_faces].astype(np.float64)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    result: AnyArray = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    return result
 
 
 class Stencil:
@@ -261,10 +255,8 @@ class Stencil:
         moved = came.any(axis=1)
         if not moved.any() and np.array_equal(ink.coverage[ids], coverage):
             return np.zeros(len(ink.load))
-        parts = self._surface.vertex_areas[ids[moved], None] * came[moved]
-        caught = np.array([math.fsum(part) for part in parts.T])  # the same in any order
         ink.amounts[ids], ink.coverage[ids] = amounts, coverage
-        return give_back(self._surface, caught)
+        return give_back(self._surface, ids[moved], came[moved])
 
     def _touched(self) -> AnyArray:
         """Masked vertices among those that were touched since colours were asked for last."""
