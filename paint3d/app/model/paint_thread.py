@@ -629,7 +629,7 @@ class PaintThread:
 
         Bases hold the steps themselves, as far as there is room.
         """
-        if name in ("undo", "redo") and self._document.has_edits:
+        if name in ("undo", "redo") and self._document.edits.has_any:
             self._base_due = True  # no base knows the way over an edit
         if not self._document.left_out:
             return

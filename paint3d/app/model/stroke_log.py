@@ -17,10 +17,11 @@ from paint3d.colour.pigments import Pigment
 from paint3d.core.arrays import as_number
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP, ERASER, DeviceSample
-from paint3d.errors import InputError, RecordingError, SessionError
+from paint3d.errors import InputError, Message, RecordingError, SessionError
 from paint3d.painter.ink_time import PIECE_NS
 from paint3d.painter.recorded_tools import told_at
 from paint3d.pose.brush_pose import contacts_of
+from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
     "ERASES",
@@ -246,7 +247,10 @@ def checked_pairs(
     InputError
         If they are no pairs of a sample and a fraction, one sample after the other.
     """
-    expected = f"pairs of a sample, counted from 0, and a fraction from {least:g} to 1, in order"
+    expected = Message(
+        "pairs of a sample, counted from 0, and a fraction from {least:g} to 1, in order",
+        least=least,
+    )
     try:
         pairs = [(k, as_number(fraction, "fraction", least, 1.0)) for k, fraction in changes]
     except (TypeError, ValueError, InputError):
@@ -376,6 +380,12 @@ def weights_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
     """The weights of the inks in a mixture, by name, as they were given."""
     stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
     return {k if isinstance(k, str) else k.name: float(w) for k, w in stirred.items()}
+
+
+def ink_of(stroke: Stroke, surface: PaintedSurface) -> dict[str | Pigment, float]:
+    """A stroke's ink, with the surface's own pigments in the place of their names."""
+    known = {pigment.name: pigment for pigment in surface.pigments}
+    return {known.get(name, name): part for name, part in stroke.ink.items()}
 
 
 def parts_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:

@@ -71,6 +71,11 @@ class InkTable:
         self.table, self._apart = table, apart
         self._own: dict[str, Pigment] = {}
 
+    @classmethod
+    def of(cls, words: Mapping[str, Any], *, apart: bool = False) -> InkTable:
+        """The table of a header or a line, which has its inks under "pigments"."""
+        return cls(dict(words.get("pigments", {})), apart=apart)
+
     def encode(self, ink: str | Pigment | Mapping[Any, float]) -> str | dict[str, float]:
         """How a score writes an ink, or a mixture of several.
 
