@@ -204,7 +204,7 @@ class PathFitter:
             return None, self.field.inside
         centre, azimuth, level = led
         if self.settings.azimuth == "dragged":
-            lead = self._lead(centre, azimuth, _smooth_levels(level))
+            lead = self._make_lead(centre, azimuth, _smooth_levels(level))
             path = _add_touch_and_lift(*pull(lead), self.footprints)
         else:
             level = _smooth_levels(level)
@@ -212,7 +212,7 @@ class PathFitter:
             handle = centre - reach[:, None] * unit_vectors(azimuth)
             whole = np.ones(len(level))
             path = _add_touch_and_lift(handle, azimuth, centre, level, whole, self.footprints)
-        return path, self.field.inside & ~self._painted(path)
+        return path, self.field.inside & ~self._painted_mask(path)
 
     def _fit_footprints(
         self, line: CentreLine, azimuth: AnyArray, shift: AnyArray
@@ -225,11 +225,11 @@ class PathFitter:
         kept = np.flatnonzero(level >= 0.0)
         return None if len(kept) < 2 else (centre[kept], azimuth[kept], level[kept])
 
-    def _lead(self, centre: AnyArray, azimuth: AnyArray, level: AnyArray) -> Lead:
+    def _make_lead(self, centre: AnyArray, azimuth: AnyArray, level: AnyArray) -> Lead:
         start = float(azimuth[0]) if self.start is None else self.start
         return Lead(centre, self.footprints, self.target, start, level)
 
-    def _painted(self, path: StrokePath) -> NDArray[np.bool_]:
+    def _painted_mask(self, path: StrokePath) -> NDArray[np.bool_]:
         """Mask of what a path covers (H, W), on the outline's grid."""
         painted = np.zeros(self.field.distance.shape, np.bool_)
         kernels.cover(
@@ -243,17 +243,17 @@ class PathFitter:
         led = self._fit_footprints(best.line, best.chosen[:, 0], best.shift)
         if led is None or best.path is None or self.settings.azimuth != "dragged":
             return best
-        lead, path, inside = self._lead(*led), best.path, self.field.inside
+        lead, path, inside = self._make_lead(*led), best.path, self.field.inside
         values = (path.handle, path.azimuth, path.centre, path.level, path.share)
         found = DraggedPath(*(value[1:-1] for value in values))  # without its touch and its lift
-        least = int((self._painted(path) ^ inside).sum())
+        least = int((self._painted_mask(path) ^ inside).sum())
         for trial in range(TRIALS):
             for one in refine_pull(lead, found, trial):
                 tried = _add_touch_and_lift(*one, self.footprints)
-                wrong = int((self._painted(tried) ^ inside).sum())
+                wrong = int((self._painted_mask(tried) ^ inside).sum())
                 if wrong < least:
                     found, path, least = one, tried, wrong
-        return replace(best, path=path, bare=inside & ~self._painted(path))
+        return replace(best, path=path, bare=inside & ~self._painted_mask(path))
 
 
 def _rate(line: CentreLine, fitter: PathFitter, known: FittedLine | None) -> NDArray[np.float64]:
@@ -262,14 +262,14 @@ def _rate(line: CentreLine, fitter: PathFitter, known: FittedLine | None) -> NDA
     gap = np.empty((len(line.points), fitter.settings.n_directions, len(shifts)))
     new = slice(None)
     if known is not None:
-        new = _copy_known(gap, known.gap, _samples(line), _samples(known.line))
+        new = _copy_known(gap, known.gap, _sample_values(line), _sample_values(known.line))
     sparse = np.ascontiguousarray(fitter.footprints.points[:, ::2])  # directions are only compared
     target = fitter.target._replace(points=sparse)
     kernels.rate(target, line.points[new], line.headings[new], line.room[new], shifts, gap[new])
     return gap
 
 
-def _samples(line: CentreLine) -> NDArray[np.float64]:
+def _sample_values(line: CentreLine) -> NDArray[np.float64]:
     """Values that a footprint's fit depends on at every sample of a line (S, 6)."""
     return np.concatenate([line.points, line.normals, line.room], axis=1)
 
@@ -328,7 +328,7 @@ def _balance(
     new = slice(None)
     if known is not None:
         mine, theirs = (
-            np.concatenate([_samples(one), path], axis=1)
+            np.concatenate([_sample_values(one), path], axis=1)
             for one, path in ((line, chosen), (known.line, known.chosen))
         )
         new = _copy_known(shift, known.shift, mine, theirs)

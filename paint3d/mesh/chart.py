@@ -53,7 +53,7 @@ class SplineMap:
         self, xs: NDArray[np.float64], ys: NDArray[np.float64], values: NDArray[np.float64]
     ) -> None:
         x_knots, y_knots = _knots(xs), _knots(ys)
-        coefficients = _fitted(xs, x_knots, ys, y_knots, values)
+        coefficients = _fit_spline(xs, x_knots, ys, y_knots, values)
         along_x = _differences(coefficients, x_knots)
         along_y = _differences(coefficients.transpose(1, 0, 2), y_knots).transpose(1, 0, 2)
         self._parts = {
@@ -81,7 +81,7 @@ def _knots(nodes: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate([ends[0], nodes[2:-2], ends[1]])
 
 
-def _fitted(
+def _fit_spline(
     xs: AnyArray, x_knots: AnyArray, ys: AnyArray, y_knots: AnyArray, values: AnyArray
 ) -> NDArray[np.float64]:
     """Coefficients (A, B, F), to the last bit those of FITPACK (SciPy's RectBivariateSpline)."""
@@ -200,11 +200,11 @@ class SurfaceChart:
         InputError
             If a coordinate lies outside the chart.
         """
-        return self._points(self._checked(xy))
+        return self._points(self._check_inside(xy))
 
     def normals(self, xy: ArrayLike) -> AnyArray:
         """Outward unit normals (N, 3)."""
-        return _normalised(self._normals(self._checked(xy)))
+        return _normalise(self._normals(self._check_inside(xy)))
 
     def tangents(self, xy: ArrayLike) -> AnyArray:
         """Frames (N, 3, 3) whose columns are the directions of x and y and the normal.
@@ -212,11 +212,11 @@ class SurfaceChart:
         The normal is that of `normals`; where the map shears, x and y are turned by the same angle
         to become orthogonal.
         """
-        checked = self._checked(xy)
-        normals = _normalised(self._normals(checked))
-        along_x = _in_plane(self._points(checked, dx=1), normals)
-        along_y = _in_plane(self._points(checked, dy=1), normals)
-        middle = _normalised(along_x + along_y)
+        checked = self._check_inside(xy)
+        normals = _normalise(self._normals(checked))
+        along_x = _unit_tangents(self._points(checked, dx=1), normals)
+        along_y = _unit_tangents(self._points(checked, dy=1), normals)
+        middle = _normalise(along_x + along_y)
         across = np.cross(normals, middle)
         root = math.sqrt(0.5)
         x_axis, y_axis = root * (middle - across), root * (middle + across)
@@ -257,7 +257,7 @@ class SurfaceChart:
         out[near[kept]] = inside[kept]
         return out
 
-    def _checked(self, xy: ArrayLike) -> AnyArray:
+    def _check_inside(self, xy: ArrayLike) -> AnyArray:
         checked = as_array(xy, "xy", (None, 2))
         reach = np.array([self.half_width, self.half_height])
         out = np.flatnonzero((np.abs(checked) > reach * (1.0 + 1e-9)).any(axis=1))
@@ -369,19 +369,21 @@ def _trace(
         # Parallel transport: the least rotation that takes one normal to the next. Projecting the
         # headings instead would pull every geodesic towards the direction of least bending.
         ratio = dots_of(heading, found.normals) / (1.0 + turned)
-        heading = _in_plane(heading - ratio[:, None] * (normals + found.normals), found.normals)
+        heading = _unit_tangents(
+            heading - ratio[:, None] * (normals + found.normals), found.normals
+        )
         points, normals = found.points, found.normals
     return points, normals
 
 
-def _normalised(vectors: AnyArray) -> AnyArray:
+def _normalise(vectors: AnyArray) -> AnyArray:
     length = lengths_of(vectors)[..., None]
     return vectors / np.where(length > 0.0, length, 1.0)
 
 
-def _in_plane(vectors: AnyArray, normals: AnyArray) -> AnyArray:
+def _unit_tangents(vectors: AnyArray, normals: AnyArray) -> AnyArray:
     """Unit vectors along the parts of `vectors` that are orthogonal to `normals`."""
-    return _normalised(vectors - normals * dots_of(vectors, normals)[..., None])
+    return _normalise(vectors - normals * dots_of(vectors, normals)[..., None])
 
 
 # ---- From the surface back to the sheet ----------------------------------------------------------
@@ -620,7 +622,9 @@ def lay_square(
     try:
         chart = make_chart(surface, frame, halves[0], halves[1], spacing, max(spacing, _FINEST_MM))
     except MeshError:
-        raise _no_place(surface, frame, em_mm, Message("the surface ends within it")) from None
+        raise _no_place_error(
+            surface, frame, em_mm, Message("the surface ends within it")
+        ) from None
     lines = [
         np.linspace(-0.5 * side, 0.5 * side, max(_FEWEST, round(_EM_PROBES * (side / em_mm))) + 1)
         for side in (width, height)
@@ -631,13 +635,13 @@ def lay_square(
     square = EmSquare(chart, em_mm, width, height, points, normals)
     fault = square.fault(limits)
     if fault is None:
-        fault = _in_the_way(surface, square, limits.room_mm)
+        fault = _find_obstacle(surface, square, limits.room_mm)
     if fault is not None:
-        raise _no_place(surface, frame, em_mm, fault)
+        raise _no_place_error(surface, frame, em_mm, fault)
     return square
 
 
-def _in_the_way(surface: ClosestPoints, square: EmSquare, height: float) -> Message | None:
+def _find_obstacle(surface: ClosestPoints, square: EmSquare, height: float) -> Message | None:
     """Say what is nearer to points `height` mm above the square than it is; None if nothing."""
     if height <= 0.0:
         return None
@@ -660,7 +664,9 @@ def _in_the_way(surface: ClosestPoints, square: EmSquare, height: float) -> Mess
     )
 
 
-def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: Message) -> MeshError:
+def _no_place_error(
+    surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: Message
+) -> MeshError:
     x, y, z = frame.origin
     return MeshError(
         "{object}: no place for an em of {em_mm:g} mm around ({x:.1f}, {y:.1f}, {z:.1f}): {why}",

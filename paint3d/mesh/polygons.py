@@ -83,7 +83,9 @@ def triangulate(
         cut = _fans(polygons)
         if size > 3:
             for k in np.flatnonzero(_is_concave(vertices, polygons)):
-                cut[k] = _smaller(vertices, cut[k], _clip_ears(vertices[polygons[k]], polygons[k]))
+                cut[k] = _choose_smaller(
+                    vertices, cut[k], _clip_ears(vertices[polygons[k]], polygons[k])
+                )
         faces[first_triangle[rows, None] + np.arange(size - 2)] = cut
     return faces
 
@@ -94,7 +96,7 @@ def _fans(polygons: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.stack([first, polygons[:, 1:-1], polygons[:, 2:]], axis=2)
 
 
-def _smaller(
+def _choose_smaller(
     vertices: NDArray[np.float64], fan: NDArray[np.int64], ears: NDArray[np.int64]
 ) -> NDArray[np.int64]:
     """Return the triangles of less area: those outside a polygon, or folded back, add to it.

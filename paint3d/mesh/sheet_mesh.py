@@ -58,10 +58,10 @@ def make_sheet(sheet: Sheet) -> TriangleMesh:
     parts: list[_Part] = []
     for x in middles:
         points, faces = _paper(sheet, 0.0)
-        parts.append((_beside(points, x), faces, _PAPER))
+        parts.append((_shift_across(points, x), faces, _PAPER))
     if sheet.mounted:
         for x in middles:
-            parts += [(_beside(p, x), f, colour) for p, f, colour in _mount(sheet)]
+            parts += [(_shift_across(p, x), f, colour) for p, f, colour in _mount(sheet)]
     starts = np.cumsum([0, *(len(points) for points, _, _ in parts)])
     points = np.concatenate([points for points, _, _ in parts])
     faces = np.concatenate([f + n for (_, f, _), n in zip(parts, starts, strict=False)])
@@ -113,7 +113,7 @@ def writing_areas(mesh: TriangleMesh, within_margins: bool = True) -> tuple[Writ
     points, faces = _paper(sheet, sheet.margin_mm if within_margins else 0.0)
     apex = np.array([0.0, fan_of(sheet).apex, 0.0]) if sheet.usual.shape == "sector" else None
     return tuple(
-        WritingArea(TriangleMesh(_beside(points, x), faces, None, mesh.name), apex)
+        WritingArea(TriangleMesh(_shift_across(points, x), faces, None, mesh.name), apex)
         for x in reversed(_middles(sheet))
     )
 
@@ -130,7 +130,7 @@ def _middles(sheet: Sheet) -> list[float]:
     return [step * (k - 0.5 * (n - 1)) for k in range(n)]
 
 
-def _beside(points: AnyArray, x: float) -> AnyArray:
+def _shift_across(points: AnyArray, x: float) -> AnyArray:
     moved: AnyArray = points + np.array([x, 0.0, 0.0])
     return moved
 
@@ -218,8 +218,8 @@ def _mount(sheet: Sheet) -> list[_Part]:
     if sheet.usual.mount == "board":
         return [(*_border(sheet), _SILK)]
     silk, strips, rods = _scroll(sheet)
-    parts: list[_Part] = [(*_lowered(_grid(*box), 2.0), _SILK) for box in silk]
-    parts += [(*_lowered(_grid(*box), 1.0), _STRIP_SILK) for box in strips]
+    parts: list[_Part] = [(*_lower(_grid(*box), 2.0), _SILK) for box in silk]
+    parts += [(*_lower(_grid(*box), 1.0), _STRIP_SILK) for box in strips]
     parts += [(*_rod(*rod), colour) for rod, colour in rods]
     return parts
 
@@ -270,7 +270,7 @@ def drawn(sheet: Sheet) -> list[tuple[AnyArray, tuple[int, int, int] | None]]:
     return parts
 
 
-def _lowered(part: tuple[AnyArray, AnyArray], steps: float) -> tuple[AnyArray, AnyArray]:
+def _lower(part: tuple[AnyArray, AnyArray], steps: float) -> tuple[AnyArray, AnyArray]:
     points, faces = part
     return points - [0.0, 0.0, steps * _BELOW_MM], faces
 

@@ -147,7 +147,7 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
     n = len(faces)
     if isinstance(pick.face, bool) or not 0 <= pick.face < n:
         raise InputError("face {face}; expected 0 to {last}", face=pick.face, last=n - 1)
-    one, two = _joined_faces(mesh)
+    one, two = _find_neighbours(mesh)
     if pick.up_to == "crease":
         normals = face_normals(mesh.vertices[mesh.base_faces].astype(np.float64))
         cosine = np.einsum("ij,ij->i", normals[one], normals[two])
@@ -159,7 +159,7 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
     return result
 
 
-def _joined_faces(mesh: PaintMesh) -> tuple[AnyArray, AnyArray]:
+def _find_neighbours(mesh: PaintMesh) -> tuple[AnyArray, AnyArray]:
     """Pairs of faces that share an edge, wherever its vertices are split by normals."""
     points = mesh.vertices[: mesh.n_base_vertices]
     _, place = np.unique(points, axis=0, return_inverse=True)
@@ -200,10 +200,10 @@ class Stencil:
 
     def covers(self, vertex_ids: AnyArray) -> NDArray[np.bool_]:
         """(N,) bool: whether vertices (N,) take no paint."""
-        self._know()
+        self._learn_vertices()
         return ~(self._open[vertex_ids] & self._leans[vertex_ids])
 
-    def _know(self) -> None:
+    def _learn_vertices(self) -> None:
         """Learn about vertices that have appeared."""
         mesh = self._surface.paint_mesh
         fields, (n, nodes) = mesh.arrays, (int(c) for c in mesh.arrays.counts)
@@ -219,10 +219,10 @@ class Stencil:
             self._open[fields.node_vertices[fresh][allowed]] = True
         self._leans = np.pad(self._leans, (0, n - known), constant_values=True)
         if self._mask.angle is not None:
-            self._lean(self._mask.angle, known, n)
+            self._update_leans(self._mask.angle, known, n)
         self._known = n, nodes
 
-    def _lean(self, angle: AngleMask, first: int, last: int) -> None:
+    def _update_leans(self, angle: AngleMask, first: int, last: int) -> None:
         fields = self._surface.paint_mesh.arrays
         towards = np.asarray(angle.direction, np.float64)
         towards /= np.linalg.norm(towards)
@@ -247,7 +247,7 @@ class Stencil:
             coats x mm2.
         """
         ink = self._surface.ink
-        ids = self._touched()
+        ids = self._touched_masked()
         if not len(ids):
             return np.zeros(len(ink.load))
         amounts, coverage = before(ids)
@@ -258,7 +258,7 @@ class Stencil:
         ink.amounts[ids], ink.coverage[ids] = amounts, coverage
         return give_back(self._surface, ids[moved], came[moved])
 
-    def _touched(self) -> AnyArray:
+    def _touched_masked(self) -> AnyArray:
         """Masked vertices among those that were touched since colours were asked for last."""
         ink = self._surface.ink
         dirty, known = ink.dirty_ids[: int(ink.n_dirty[0])], self._looked

@@ -228,9 +228,9 @@ class StrokeLog:
         changes: dict[str, list[list[float]]] = {}
         shift = 0
         for stroke in strokes:
-            own = _whole(stroke)
+            own = _complete_samples(stroke)
             if samples:
-                shift = _shift(samples[-1].time_ns, own[0].time_ns, shift)
+                shift = _time_shift(samples[-1].time_ns, own[0].time_ns, shift)
             samples += [_with(s, time_ns=s.time_ns + shift) for s in own] if shift else own
             for name, pairs in stroke.tool_changes(shift).items():
                 changes[name] = [*changes.get(name, []), *pairs]
@@ -271,7 +271,7 @@ def checked_pairs(
     return tuple(pairs)
 
 
-def _whole(stroke: Stroke) -> list[DeviceSample]:
+def _complete_samples(stroke: Stroke) -> list[DeviceSample]:
     """A stroke's samples, dipped and with lifted ends; with the eraser end where it erases."""
     end = ERASER if stroke.tags.get(ERASES) else 0
     samples = [_with(s, buttons=s.buttons & ~ERASER | end) for s in stroke.samples]
@@ -288,7 +288,7 @@ def _whole(stroke: Stroke) -> list[DeviceSample]:
     return samples
 
 
-def _shift(end_ns: int, begin_ns: int, shift: int) -> int:
+def _time_shift(end_ns: int, begin_ns: int, shift: int) -> int:
     """What is added to a stroke's times, ns: as to those before it, if then it begins after them.
 
     Else its clock is another one. It is moved by whole pieces of the ink's time, so that these end

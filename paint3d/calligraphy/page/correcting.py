@@ -87,7 +87,7 @@ class CorrectedPage:
 
     def number(self, k: int) -> tuple[int, int]:
         """A stroke's place in its piece, counted from 1, and how many that has."""
-        mine = self._of_piece(self.strokes[k].piece)
+        mine = self._strokes_of_piece(self.strokes[k].piece)
         return mine.index(k) + 1, len(mine)
 
     @property
@@ -108,20 +108,20 @@ class CorrectedPage:
 
     def reverse(self, k: int) -> CorrectedPage:
         """Stroke k written the other way."""
-        return self._with(
+        return self._replace_stroke(
             k, replace(self.strokes[k], stroke=_reverse_order(self.strokes[k].stroke))
         )
 
     def leave_out(self, k: int, on: bool = True) -> CorrectedPage:
         """Stroke k left out, or taken in again."""
-        return self._with(k, replace(self.strokes[k], is_left_out=on))
+        return self._replace_stroke(k, replace(self.strokes[k], is_left_out=on))
 
     def move(self, k: int, by: int) -> tuple[CorrectedPage, int]:
         """Stroke k later in its piece by so many, or earlier; and its place then."""
-        mine = self._of_piece(self.strokes[k].piece)
+        mine = self._strokes_of_piece(self.strokes[k].piece)
         to = min(max(k + by, mine[0]), mine[-1])
         others = [one for j, one in enumerate(self.strokes) if j != k]
-        return self._of([*others[:to], self.strokes[k], *others[to:]]), to
+        return self._replace_all([*others[:to], self.strokes[k], *others[to:]]), to
 
     def move_piece(self, k: int, by: int) -> tuple[CorrectedPage, int]:
         """The piece of stroke k later by so many, or earlier; and the stroke's place then."""
@@ -130,12 +130,12 @@ class CorrectedPage:
         at = order.index(piece)
         order.insert(min(max(at + by, 0), len(order) - 1), order.pop(at))
         strokes = [one for p in order for one in self.strokes if one.piece == p]
-        return self._of(strokes), strokes.index(self.strokes[k])
+        return self._replace_all(strokes), strokes.index(self.strokes[k])
 
     def leave_out_piece(self, k: int, on: bool = True) -> CorrectedPage:
         """All strokes of the piece of stroke k left out, or taken in again."""
         piece = self.strokes[k].piece
-        return self._of(
+        return self._replace_all(
             replace(one, is_left_out=on) if one.piece == piece else one for one in self.strokes
         )
 
@@ -156,7 +156,7 @@ class CorrectedPage:
             stroke=_join_strokes(self.strokes[k].stroke, self.strokes[other].stroke),
         )
         strokes = [joined if j == k else one for j, one in enumerate(self.strokes) if j != other]
-        return self._of(strokes), strokes.index(joined)
+        return self._replace_all(strokes), strokes.index(joined)
 
     def split(self, k: int, point: Sequence[float] | AnyArray) -> CorrectedPage:
         """Stroke k as two, cut across its line at the place nearest to a point of the page.
@@ -169,7 +169,7 @@ class CorrectedPage:
         halves = halves_at(self.strokes[k].stroke, np.asarray(point, np.float64))
         strokes = [*self.strokes]
         strokes[k : k + 1] = [replace(self.strokes[k], stroke=half) for half in halves]
-        return self._of(strokes)
+        return self._replace_all(strokes)
 
     # -- what is there ----------------------------------------------------------------------
 
@@ -200,11 +200,11 @@ class CorrectedPage:
             If every stroke is left out.
         """
         order = list(dict.fromkeys(one.piece for one in self.strokes))
-        pieces = [self._piece(p) for p in order]
+        pieces = [self._make_piece(p) for p in order]
         kept = tuple(piece for piece in pieces if piece.glyph.strokes)
         return replace(self.base, pieces=kept)
 
-    def _piece(self, p: int) -> Piece:
+    def _make_piece(self, p: int) -> Piece:
         piece = self.base.pieces[p]
         mine = [one for one in self.strokes if one.piece == p]
         if mine == [one for one in self._first if one.piece == p]:
@@ -216,13 +216,13 @@ class CorrectedPage:
         moved = np.array(glyph.middle) - piece.glyph.middle
         return Piece(glyph, (piece.at[0] + float(moved[0]), piece.at[1] + float(moved[1])))
 
-    def _of_piece(self, piece: int) -> list[int]:
+    def _strokes_of_piece(self, piece: int) -> list[int]:
         return [j for j, one in enumerate(self.strokes) if one.piece == piece]
 
-    def _with(self, k: int, changed: CorrectedStroke) -> CorrectedPage:
-        return self._of(changed if j == k else one for j, one in enumerate(self.strokes))
+    def _replace_stroke(self, k: int, changed: CorrectedStroke) -> CorrectedPage:
+        return self._replace_all(changed if j == k else one for j, one in enumerate(self.strokes))
 
-    def _of(self, strokes: Iterable[CorrectedStroke]) -> CorrectedPage:
+    def _replace_all(self, strokes: Iterable[CorrectedStroke]) -> CorrectedPage:
         return replace(self, strokes=tuple(strokes))
 
 

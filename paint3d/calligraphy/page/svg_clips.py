@@ -132,11 +132,11 @@ def _drawing(place: Sequence[Element], path: Element, named: dict[str, Element])
     moved = {"transform": path.get("transform", "")}
     at = ElementTree.SubElement(at, tag_like(path, "g"), moved)
     rule = _rule_of(path)
-    at.extend(filled for child in path for filled in _as_filled(child, rule, named, 0))
+    at.extend(filled for child in path for filled in _fill_element(child, rule, named, 0))
     return ElementTree.tostring(drawing)
 
 
-def _as_filled(
+def _fill_element(
     element: Element, rule: str, named: dict[str, Element], depth: int
 ) -> Sequence[Element]:
     """An element of a clip path as it is filled; a use as what it is of."""
@@ -154,13 +154,13 @@ def _as_filled(
         if used is None:
             return ()
         group = Element(tag_like(element, "g"), {"transform": _transform(element)})
-        group.extend(_as_filled(used, rule, named, depth + 1))
+        group.extend(_fill_element(used, rule, named, depth + 1))
         return (group,)
     copy = Element(element.tag, {**kept, "fill": "#000", "stroke": "none"})
     if rule:
         copy.set("fill-rule", rule)
     for child in element:
-        copy.extend(_as_filled(deepcopy(child), rule, named, depth + 1))
+        copy.extend(_fill_element(deepcopy(child), rule, named, depth + 1))
     return (copy,)
 
 

@@ -147,7 +147,7 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
         elif attribute == "style":
             yield from _faults_of_style(value)
         elif attribute == "transform" and value.lower() not in _KEYWORDS:
-            left = _TRANSFORM.sub(_unless_finite, value).strip(", \t\r\n")
+            left = _TRANSFORM.sub(_find_infinite, value).strip(", \t\r\n")
             if left:
                 yield _fault_within(attribute, left, Message("transforms of finite numbers"))
         elif attribute == "viewBox" and tag in _VIEWS and value.lower() != "none":
@@ -162,7 +162,7 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
             yield from _faults_of_list(
                 attribute, value, _WAY, Message("commands of paths, finite numbers")
             )
-            yield from _faults_of_way(value)
+            yield from _faults_of_path(value)
 
 
 def _is_view(value: str) -> bool:
@@ -227,7 +227,7 @@ def _faults_of_list(
         yield _fault_within(attribute, bad, expected)
 
 
-def _faults_of_way(text: str) -> Iterator[Message]:
+def _faults_of_path(text: str) -> Iterator[Message]:
     """Place at which a path of good words breaks off, or does not begin."""
     before, *parts = _SIGNED.split(text)
     if before.strip() or parts[0] not in "Mm":
@@ -244,7 +244,7 @@ def _faults_of_way(text: str) -> Iterator[Message]:
             )
 
 
-def _unless_finite(call: re.Match[str]) -> str:
+def _find_infinite(call: re.Match[str]) -> str:
     """A transform whose numbers are not all finite; "" of any other."""
     finite = all(math.isfinite(float(number)) for number in _NUMBER.findall(call[0]))
     return "" if finite else call[0]
@@ -857,14 +857,14 @@ def _runs(inks: Sequence[_Ink]) -> list[tuple[list[_Ink], Box]]:
     """Inks that follow each other and are laid as one, each with the box that it is laid by."""
     group_of: dict[int, int] = {}
     boxes = []
-    for k, group in enumerate(_together(inks)):
+    for k, group in enumerate(_group_overlapping(inks)):
         boxes.append(bounds_of(ink.shape.bounds for ink in group))
         group_of |= {id(ink): k for ink in group}
     runs = groupby(inks, lambda ink: group_of[id(ink)])
     return [(list(run), boxes[k]) for k, run in runs]
 
 
-def _together(inks: Sequence[_Ink]) -> list[list[_Ink]]:
+def _group_overlapping(inks: Sequence[_Ink]) -> list[list[_Ink]]:
     """Groups of inks whose boxes overlap."""
     groups: list[list[_Ink]] = []
     for ink in inks:

@@ -130,7 +130,7 @@ def find_impression(
             cause=cause,
         ) from None
     stone = _Stone(rings)
-    would_touch = _touched(chart, stone, pressing)
+    would_touch = _measure_touched(chart, stone, pressing)
     if would_touch < _LEAST_TOUCHED:
         raise InputError(
             "the seal would touch {percent:.0f} % of what it is to print: the surface falls away "
@@ -143,13 +143,13 @@ def find_impression(
         raise InputError("the seal meets no vertex of the surface; expected another place")
     inside = stone.within(xy)
     wide = np.sqrt(surface.vertex_areas[ids])
-    inside = inside - pressing.wear * _worn(xy, half, pressing.seed)
+    inside = inside - pressing.wear * _wear_at(xy, half, pressing.seed)
     soft = np.maximum(_EDGE * wide, _SOFT_MM)
     share = np.clip(0.5 + 0.5 * inside / soft, 0.0, 1.0)
     wanted = share.sum()
     firm = _firmness(chart, xy, pressing.pad_mm)
     bare = _patches(xy, pressing.seed)
-    thick = 1.0 + _RIDGE * _fading(np.maximum(inside, 0.0) / _RIDGE_MM) + bare[0]
+    thick = 1.0 + _RIDGE * _decay(np.maximum(inside, 0.0) / _RIDGE_MM) + bare[0]
     share *= np.clip(firm / _FIRM, 0.0, 1.0) * np.clip(1.0 - pressing.wear * bare[1], 0.0, 1.0)
     thick *= 0.55 + 0.45 * firm
     touched = float(share.sum() / max(wanted, 1e-9))
@@ -159,7 +159,7 @@ def find_impression(
     return Impression(ids[kept], coats.astype(np.float32), covered.astype(np.float32), touched)
 
 
-def _touched(chart: SurfaceChart, stone: _Stone, pressing: Pressing) -> float:
+def _measure_touched(chart: SurfaceChart, stone: _Stone, pressing: Pressing) -> float:
     """How much of the stone's ink would meet the surface, 0 to 1, before that is refined."""
     reach = np.array([chart.half_width, chart.half_height])
     x, y = np.meshgrid(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach), indexing="ij")
@@ -280,18 +280,18 @@ class _Stone:
         return result
 
 
-def _fading(x: AnyArray) -> AnyArray:
+def _decay(x: AnyArray) -> AnyArray:
     """e to the power of -x."""
     return even_exp(-np.minimum(x, 700.0))
 
 
-def _worn(xy: AnyArray, half: AnyArray, seed: int) -> AnyArray:
+def _wear_at(xy: AnyArray, half: AnyArray, seed: int) -> AnyArray:
     """Wear (mm) of what was cut: little everywhere, more along the rim."""
     ragged = _RAGGED_MM * (_noise(xy, _ROUGH_MM, seed) + 0.7 * _noise(xy, 0.3, seed + 1))
     from_rim = (half - _MARGIN_MM - np.abs(xy)).min(axis=1)
     knocked = np.maximum(_noise(xy, _CHIP_MM, seed + 2) - _CHIP_FROM, 0.0)
-    corner = _fading(np.abs(half - _MARGIN_MM - np.abs(xy)).max(axis=1) / 1.2)
-    depth = knocked * 1.6 * _fading(np.maximum(from_rim, 0.0) / 0.5)
+    corner = _decay(np.abs(half - _MARGIN_MM - np.abs(xy)).max(axis=1) / 1.2)
+    depth = knocked * 1.6 * _decay(np.maximum(from_rim, 0.0) / 0.5)
     result: AnyArray = ragged + depth + 0.18 * corner * (1.0 + _noise(xy, _ROUGH_MM, seed + 3))
     return result
 
@@ -310,14 +310,14 @@ def _noise(xy: AnyArray, cell_mm: float, seed: int) -> AnyArray:
     share = at - corner
     share = share * share * (3.0 - 2.0 * share)
     cell = corner.astype(np.int64)
-    values = [_scattered(cell[:, 0] + i, cell[:, 1] + j, seed) for i in (0, 1) for j in (0, 1)]
+    values = [_hash_lattice(cell[:, 0] + i, cell[:, 1] + j, seed) for i in (0, 1) for j in (0, 1)]
     low = values[0] + share[:, 1] * (values[1] - values[0])
     high = values[2] + share[:, 1] * (values[3] - values[2])
     result: AnyArray = low + share[:, 0] * (high - low)
     return result
 
 
-def _scattered(i: AnyArray, j: AnyArray, seed: int) -> AnyArray:
+def _hash_lattice(i: AnyArray, j: AnyArray, seed: int) -> AnyArray:
     """A number from -1 to 1 for each place of a lattice (splitmix64's finaliser)."""
     x = (i.astype(np.uint64) << np.uint64(32)) ^ (j.astype(np.uint64) & np.uint64(0xFFFFFFFF))
     x += np.uint64((0x9E3779B97F4A7C15 * (seed + 1)) % 2**64)

@@ -484,7 +484,7 @@ def _change_in(
     low, high = np.maximum(0, inner - reach), np.minimum(len(points) - 1, inner + reach)
     turns[inner] = turns_between(points[inner] - points[low], points[high] - points[inner])
     price = _CHANGE - _CORNER * np.minimum(turns / 90.0, 1.0)
-    labels = _cheapest(known.costs(points) * _STEP, price)
+    labels = _cheapest_sequence(known.costs(points) * _STEP, price)
     shortest = max(1, round(_SHORTEST * known.width / max(step, 1e-12)))
     for k in (np.flatnonzero(np.diff(labels)) + 1).tolist():
         if shortest <= k <= len(points) - 1 - shortest:
@@ -494,7 +494,7 @@ def _change_in(
     return None
 
 
-def _cheapest(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
+def _cheapest_sequence(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
     """The cheapest sequence of strokes (N,) along a line with costs (N, K) and prices of change."""
     n, count = costs.shape
     total = costs[0].copy()

@@ -74,9 +74,9 @@ class EventClock:
             known.handled_ns = handled_ns - _FIRST_PERIOD_NS
         self._judge(kind, known, stamp_ms, handled_ns)
         if known.untimed:
-            found = self._evened(known, handled_ns, painting)
+            found = self._even_out(known, handled_ns, painting)
         else:
-            found = self._mapped(known, stamp_ms, handled_ns, painting)
+            found = self._map_stamp(known, stamp_ms, handled_ns, painting)
             if not painting and self._last_ns is not None and found < self._last_ns - _MS:
                 known.offset_ns += self._last_ns + _TIE_NS - found
         known.stamp_ms, known.handled_ns = stamp_ms, handled_ns
@@ -96,7 +96,7 @@ class EventClock:
             known.untimed = False  # it has begun to
             known.offset_ns = _offset_ns(stamp_ms, handled_ns)
 
-    def _mapped(self, known: _Kind, stamp_ms: int, handled_ns: int, painting: bool) -> int:
+    def _map_stamp(self, known: _Kind, stamp_ms: int, handled_ns: int, painting: bool) -> int:
         found = known.offset_ns + stamp_ms * _MS
         astray = found > handled_ns + _AHEAD_NS or found < handled_ns - _LOST_NS
         back = stamp_ms < known.stamp_ms
@@ -106,7 +106,7 @@ class EventClock:
             return known.offset_ns + stamp_ms * _MS
         return found
 
-    def _evened(self, known: _Kind, handled_ns: int, painting: bool) -> int:
+    def _even_out(self, known: _Kind, handled_ns: int, painting: bool) -> int:
         if not painting:  # times that lead by more than evening out does are gone on with
             lead = 0 if self._last_ns is None else self._last_ns - handled_ns
             known.offset_ns = lead if lead > _AHEAD_NS else 0

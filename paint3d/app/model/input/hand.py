@@ -80,7 +80,7 @@ def lean_of(
     """
     if right is None or up is None or not (x_tilt or y_tilt):
         return normal
-    x, y = (math.tan(math.radians(_limited(t))) for t in (x_tilt, y_tilt))
+    x, y = (math.tan(math.radians(_limit_tilt(t))) for t in (x_tilt, y_tilt))
     aside = x * as_array(right, "right", (3,)) - y * as_array(up, "up", (3,))
     aside = aside - (aside @ normal) * normal
     length = length_of(aside)
@@ -171,7 +171,7 @@ def _middle_reach(tuft: Tuft, descent: float, tilt: float, pressure: float) -> f
     return 0.5 * float(reach[0] + reach[n - 1]) if n else 0.0
 
 
-def _limited(degrees: float) -> float:
+def _limit_tilt(degrees: float) -> float:
     angle = as_number(degrees, "tilt (degrees)")
     return min(max(angle, -_STEEPEST_TILT), _STEEPEST_TILT)
 
@@ -424,7 +424,7 @@ class Hand:
         self._waiting = [replace(stand, time_ns=stand.time_ns - _STEP_NS)]
         if pressure > 0.0:  # it was pressed when it was first heard of
             self._waiting.append(replace(stand, pressure=pressure))
-        return self._ready(brush)
+        return self._land_if_sure(brush)
 
     def move(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
         """The pointer went on; no samples where it is beside the object or time stood still.
@@ -477,7 +477,7 @@ class Hand:
         found = None if event is None or state.beside else self._meet(event)
         lifted = replace(self._latest, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
         if found is not None and self.settings.ruler != "none":
-            found = self._ruled(*found)
+            found = self._follow_ruler(*found)
         if found is not None:
             far = length_of(found[0] - lifted.point) > _LIFTED_OVER * brush.length_mm
             if not far and event is not None and not self._is_apart(found[0], event):
@@ -547,7 +547,7 @@ class Hand:
                     point=point,
                     normal=normal,
                     lean=lean,
-                    rest=self._rest(lean, normal, event),
+                    rest=self._resting_way(lean, normal, event),
                     pressure=last.pressure + fraction * (stand.pressure - last.pressure),
                 )
             )
@@ -579,9 +579,9 @@ class Hand:
         self._follow_speed(event.time_ns, point)
         state.time_ns, state.target, state.ray = event.time_ns, point, _ray_of(event)
         if pulled and self.settings.ruler != "none":
-            point, normal = self._ruled(point, normal)
+            point, normal = self._follow_ruler(point, normal)
         state.goal = point
-        string = self._string(event) if pulled else 0.0
+        string = self._string_mm(event) if pulled else 0.0
         if string > 0.0:
             point, normal = self._pull(point, string)
         normal = self._normal_under(point, normal, brush)
@@ -593,14 +593,14 @@ class Hand:
             point,
             normal,
             lean,
-            self._rest(lean, normal, event),
+            self._resting_way(lean, normal, event),
             None if event.rotation is None else math.radians(event.rotation),
             self._pressure(event) if pressed else 0.0,
             event.buttons,
             None if event.bend is None else any_tangent(normal, as_array(event.bend, "bend", (3,))),
         )
 
-    def _rest(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
+    def _resting_way(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
         """Whither a tip points that nothing drags: away from the lean, else up left as seen."""
         aside = lean - (lean @ normal) * normal
         if length_of(aside) > _LEANS:
@@ -617,9 +617,9 @@ class Hand:
             self._drag(stand, brush)
             return [self._sample(stand, brush)]
         self._waiting.append(stand)
-        return self._ready(brush)
+        return self._land_if_sure(brush)
 
-    def _ready(self, brush: BrushSpec) -> list[DeviceSample]:
+    def _land_if_sure(self, brush: BrushSpec) -> list[DeviceSample]:
         """What waits, if it need not wait any longer."""
         first, last = self._waiting[0], self._waiting[-1]
         far = length_of(last.target - first.point) >= _SURE * self._trail(brush)
@@ -655,7 +655,7 @@ class Hand:
         state, last, trail = self._now, self._latest, self._trail(brush)
         back = turned_with(last.normal, stand.normal, state.tip - last.point)
         way = stand.point - last.point
-        back = back - length_of(way) * _along(stand.normal, way)
+        back = back - length_of(way) * _project_along(stand.normal, way)
         back = back - (back @ stand.normal) * stand.normal
         distance = length_of(back)
         if stand.bend is not None:
@@ -695,7 +695,7 @@ class Hand:
         result: AnyArray = mean / length_of(mean)
         return result
 
-    def _string(self, event: PointerInput) -> float:
+    def _string_mm(self, event: PointerInput) -> float:
         """Length of the string that pulls the brush, mm."""
         settings = self.settings
         steady = settings.smoothing
@@ -703,7 +703,7 @@ class Hand:
             steady = max(steady, settings.mouse_smoothing)
         return steady * settings.longest_string_mm
 
-    def _ruled(self, point: AnyArray, normal: AnyArray) -> tuple[AnyArray, AnyArray]:
+    def _follow_ruler(self, point: AnyArray, normal: AnyArray) -> tuple[AnyArray, AnyArray]:
         """The place nearest to a point where the ruler leads from the stroke's beginning.
 
         Rulers are planes that the surface is cut by: through the first way and the normal there,
@@ -811,7 +811,7 @@ class Hand:
             x = bend - (bend @ z) / (normal @ z) * normal
             x /= length_of(x)
         else:
-            x = _turned(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
+            x = _turn_across(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
             bend = any_tangent(normal, x)
         orientation = quaternions_from_matrices(np.stack([x, cross(z, x), z], axis=-1)[None])[0]
         root = root_over(brush, stand.point, normal, bend, z, stand.pressure)
@@ -835,12 +835,12 @@ def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
     return np.asarray(event.origin, np.float64), np.asarray(event.direction, np.float64)
 
 
-def _along(normal: AnyArray, way: AnyArray) -> AnyArray:
+def _project_along(normal: AnyArray, way: AnyArray) -> AnyArray:
     """A way's direction along a surface; zero where it leads straight up or down."""
     across = way - (way @ normal) * normal
     length = length_of(across)
     return across / length if length > 1e-9 else np.zeros(3)
 
 
-def _turned(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
+def _turn_across(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
     return math.cos(angle) * vector + math.sin(angle) * cross(axis, vector)

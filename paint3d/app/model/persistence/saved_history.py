@@ -72,19 +72,19 @@ def saved_history(
         As their words in undone come.
     """
     saved = undo_state(surface, history, most_bytes)
-    words = [[_word(label, current) for label in own] for own in (saved.done, saved.undone)]
+    words = [[_label_word(label, current) for label in own] for own in (saved.done, saved.undone)]
     state = {"steps": saved.state, "done": words[0], "undone": words[1]}
     undone = [label for label in saved.undone if isinstance(label, Stroke)]
-    return {**state, **_painters(saved.kept, len(surface.pigments))}, undone
+    return {**state, **_pack_painters(saved.kept, len(surface.pigments))}, undone
 
 
-def _word(label: object, current: Stroke | None) -> str:
+def _label_word(label: object, current: Stroke | None) -> str:
     if isinstance(label, Stroke):
         return _UNFINISHED if label is current else _STROKE
     return str(label)
 
 
-def _painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
+def _pack_painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
     brushes: dict[BrushSpec, int] = {}
     painters: dict[str, dict[str, Any]] = {}
     places: dict[str, int] = {}
@@ -164,9 +164,9 @@ def restore_history(
                 n=len(strokes),
                 undone=len(undone),
             )
-        done_labels = _labels(words[0], iter(strokes[len(strokes) - n_done :]))
-        undone_labels = _labels(words[1], iter(undone))
-        kept = _kept(surface, state)
+        done_labels = _unpack_labels(words[0], iter(strokes[len(strokes) - n_done :]))
+        undone_labels = _unpack_labels(words[1], iter(undone))
+        kept = _unpack_kept(surface, state)
         restore_undo(surface, history, state["steps"], done_labels, undone_labels, kept)
     except SessionError:
         raise
@@ -178,14 +178,14 @@ def restore_history(
     return result
 
 
-def _labels(words: Sequence[Any], strokes: Iterator[Stroke]) -> list[object]:
+def _unpack_labels(words: Sequence[Any], strokes: Iterator[Stroke]) -> list[object]:
     for word in words:
         if not isinstance(word, str) or len(word) > _LONGEST_LABEL:
             raise SessionError("a step is {word!r:.60}; expected a word", word=word)
     return [next(strokes) if word == _STROKE else word for word in words]
 
 
-def _kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
+def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
     """What the painter remembered, as `Document` restores it."""
     of = np.asarray(state["painter"])
     count, p = len(of), len(surface.pigments)
