@@ -24,7 +24,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, cross_2d
 from paint3d.core.polyline import headings_of, interpolate, line_length, resample_to
 from paint3d.errors import InputError
 
@@ -137,8 +137,7 @@ def _find_corners(points: AnyArray, n: int, hook: float) -> list[int]:
     for k in range(margin, _SAMPLES - margin):
         reach = min(window, k, _SAMPLES - 1 - k)
         back, onward = points[k] - points[k - reach], points[k + reach] - points[k]
-        cross = back[0] * onward[1] - back[1] * onward[0]
-        turning[k] = abs(np.arctan2(cross, back @ onward))
+        turning[k] = abs(np.arctan2(cross_2d(back, onward), back @ onward))
     chosen: list[int] = []
     if hook > 0.0 and n:
         tail = int((1.0 - hook) * _SAMPLES)
@@ -294,7 +293,7 @@ def _segment_outlines(
 
 def _inner_side(one: StrokeSegment, two: StrokeSegment) -> str:
     a, b = one.points[-1] - one.points[-30], two.points[30] - two.points[0]
-    return "hi" if a[0] * b[1] - a[1] * b[0] > 0.0 else "lo"
+    return "hi" if cross_2d(a, b) > 0.0 else "lo"
 
 
 def _limit_width(offsets: AnyArray, limit: float) -> AnyArray:

@@ -169,14 +169,14 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
 class SurfaceChart:
     """A smooth map from a flat rectangle, in mm, onto a surface.
 
-    Made by `make_chart`. The rectangle extends from -half_width to half_width in x and from
-    -half_height to half_height in y; (0, 0) is the frame's origin.
+    Made by `make_chart`. The rectangle extends from -reach to reach in x and y; (0, 0) is the
+    frame's origin.
 
     Attributes
     ----------
     frame : SurfaceFrame
-    half_width, half_height : float
-        mm.
+    reach : (2,) float64
+        Half its width and half its height, mm.
     """
 
     def __init__(
@@ -188,8 +188,7 @@ class SurfaceChart:
         normals: AnyArray,
     ) -> None:
         self.frame = frame
-        self.half_width = float(xs[-1])
-        self.half_height = float(ys[-1])
+        self.reach: NDArray[np.float64] = np.array([xs[-1], ys[-1]])
         self._points, self._normals = SplineMap(xs, ys, points), SplineMap(xs, ys, normals)
 
     def points(self, xy: ArrayLike) -> AnyArray:
@@ -234,7 +233,7 @@ class SurfaceChart:
         from scipy.spatial import cKDTree
 
         wanted = as_array(points, "points", (None, 3))
-        reach = np.array([self.half_width, self.half_height])
+        reach = self.reach
         lines = [np.linspace(-half, half, _INVERSE_NODES) for half in reach]
         grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
         spacing = float(2.0 * reach.max() / (_INVERSE_NODES - 1))
@@ -259,8 +258,7 @@ class SurfaceChart:
 
     def _check_inside(self, xy: ArrayLike) -> AnyArray:
         checked = as_array(xy, "xy", (None, 2))
-        reach = np.array([self.half_width, self.half_height])
-        out = np.flatnonzero((np.abs(checked) > reach * (1.0 + 1e-9)).any(axis=1))
+        out = np.flatnonzero((np.abs(checked) > self.reach * (1.0 + 1e-9)).any(axis=1))
         if len(out):
             x, y = checked[out[0]]
             raise InputError(
@@ -268,8 +266,8 @@ class SurfaceChart:
                 "and +-{half_height:g} mm",
                 x=x,
                 y=y,
-                half_width=self.half_width,
-                half_height=self.half_height,
+                half_width=self.reach[0],
+                half_height=self.reach[1],
             )
         return checked
 
@@ -406,8 +404,7 @@ def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
     """
     from scipy.spatial import KDTree
 
-    given = as_array(points, "points", (None, 3))
-    reach = np.array([chart.half_width, chart.half_height])
+    given, reach = as_array(points, "points", (None, 3)), chart.reach
     x, y = np.meshgrid(*(np.linspace(-r, r, _NODES) for r in reach), indexing="ij")
     nodes = np.stack([x.ravel(), y.ravel()], axis=1)
     there = chart.points(nodes)
@@ -432,13 +429,12 @@ def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
 
 def _newton_step(chart: SurfaceChart, at: AnyArray, wanted: AnyArray) -> NDArray[np.float64]:
     """Return the least-squares step (N, 2) in the chart towards points (N, 3)."""
-    reach = np.array([chart.half_width, chart.half_height])
     away = wanted - chart.points(at)
     columns = []
     for axis in range(2):
         offset = np.zeros(2)
-        offset[axis] = _DIFFERENCE * reach[axis]
-        high, low = np.minimum(at + offset, reach), np.maximum(at - offset, -reach)
+        offset[axis] = _DIFFERENCE * chart.reach[axis]
+        high, low = np.minimum(at + offset, chart.reach), np.maximum(at - offset, -chart.reach)
         span = (high - low)[:, axis, None]
         columns.append((chart.points(high) - chart.points(low)) / span)
     along_x, along_y = columns

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, cross_2d
 from paint3d.errors import MeshError
 
 __all__ = ["face_normals", "grid_faces", "triangulate"]
@@ -187,15 +187,11 @@ def _is_ear(
     that side), prevents it.
     """
     a, b, c = flat[trio]
-    if _cross(b - a, c - b) <= max(near, 0.0):
+    if cross_2d(b - a, c - b) <= max(near, 0.0):
         return False
     others = flat[left]
-    inside = _cross(b - a, others - a) >= -near
-    inside &= _cross(c - b, others - b) >= -near
-    inside &= _cross(a - c, others - c) >= -near
+    inside = cross_2d(b - a, others - a) >= -near
+    inside &= cross_2d(c - b, others - b) >= -near
+    inside &= cross_2d(a - c, others - c) >= -near
     in_the_way = others[inside]  # among them the three themselves, and what lies in their places
     return bool((in_the_way[:, None] == flat[trio]).all(axis=2).any(axis=1).all())
-
-
-def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, cross_2d
 from paint3d.core.polyline import unit_vectors
 from paint3d.errors import InputError
 from paint3d.mesh.sheets import Sheet, is_sheet, parse_sheet
@@ -308,8 +308,7 @@ def _border(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
     every = np.concatenate(faces)
     corners = flat[every]
     across = corners[:, 1:] - corners[:, :1]
-    doubled = across[:, 0, 0] * across[:, 1, 1] - across[:, 0, 1] * across[:, 1, 0]
-    every = every[np.abs(doubled) > 1e-9]
+    every = every[np.abs(cross_2d(across[:, 0], across[:, 1])) > 1e-9]
     points3 = np.concatenate([flat, np.full((len(flat), 1), -_BELOW_MM)], axis=1)
     return points3, every
 

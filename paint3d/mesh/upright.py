@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, cross_2d
 from paint3d.errors import UnknownNameError
 from paint3d.mesh.sampling import sample_evenly
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -168,16 +168,11 @@ def _hull(points: AnyArray) -> AnyArray:
     for run in (points, points[::-1]):
         chain: list[AnyArray] = []
         for p in run:
-            while len(chain) > 1 and _left_of(chain[-2], chain[-1], p) <= 0.0:
+            while len(chain) > 1 and cross_2d(chain[-1] - chain[-2], p - chain[-2]) <= 0.0:
                 chain.pop()
             chain.append(p)
         chains += chain[:-1]
     return np.array(chains)
-
-
-def _left_of(a: AnyArray, b: AnyArray, c: AnyArray) -> float:
-    """Return a positive number where c (2,) is left of the line from a to b."""
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
 def _depth_inside(points: AnyArray, point: AnyArray) -> float:

@@ -135,8 +135,7 @@ class Ghost:
 
     def _lay_on_surface(self, xy: AnyArray) -> AnyArray:
         chart = self.chart
-        reach = np.array([chart.half_width, chart.half_height])
-        xy = np.clip(xy, -reach, reach)
+        xy = np.clip(xy, -chart.reach, chart.reach)
         return chart.points(xy) + _LIFT_MM * chart.normals(xy)
 
     @cached_property

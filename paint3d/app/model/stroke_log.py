@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -231,7 +231,7 @@ class StrokeLog:
             own = _complete_samples(stroke)
             if samples:
                 shift = _time_shift(samples[-1].time_ns, own[0].time_ns, shift)
-            samples += [_with(s, time_ns=s.time_ns + shift) for s in own] if shift else own
+            samples += [replace(s, time_ns=s.time_ns + shift) for s in own] if shift else own
             for name, pairs in stroke.tool_changes(shift).items():
                 changes[name] = [*changes.get(name, []), *pairs]
         return recording_of(samples, {**strokes[0].header(), **changes, "object": object_name})
@@ -274,16 +274,16 @@ def checked_pairs(
 def _complete_samples(stroke: Stroke) -> list[DeviceSample]:
     """A stroke's samples, dipped and with lifted ends; with the eraser end where it erases."""
     end = ERASER if stroke.tags.get(ERASES) else 0
-    samples = [_with(s, buttons=s.buttons & ~ERASER | end) for s in stroke.samples]
+    samples = [replace(s, buttons=s.buttons & ~ERASER | end) for s in stroke.samples]
     first, last = samples[0], samples[-1]
     if first.pressure is None:
         return samples
     if first.pressure > 0.0:
-        samples.insert(0, _with(first, time_ns=first.time_ns - _LANDING_NS, pressure=0.0))
+        samples.insert(0, replace(first, time_ns=first.time_ns - _LANDING_NS, pressure=0.0))
     if last.pressure is not None and last.pressure > 0.0:
-        samples.append(_with(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
+        samples.append(replace(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
     if stroke.dipped_since_stroke:
-        dip = _with(samples[0], time_ns=samples[0].time_ns - _LANDING_NS, buttons=DIP | end)
+        dip = replace(samples[0], time_ns=samples[0].time_ns - _LANDING_NS, buttons=DIP | end)
         samples.insert(0, dip)
     return samples
 
@@ -297,11 +297,6 @@ def _time_shift(end_ns: int, begin_ns: int, shift: int) -> int:
     if begin_ns + shift > end_ns:
         return shift
     return -((begin_ns - end_ns - _PAUSE_NS) // PIECE_NS) * PIECE_NS
-
-
-def _with(sample: DeviceSample, **changes: Any) -> DeviceSample:
-    names = DeviceSample.__dataclass_fields__
-    return DeviceSample(**{name: changes.get(name, getattr(sample, name)) for name in names})
 
 
 def recording_of(samples: Sequence[DeviceSample], header: Mapping[str, object]) -> Recording:

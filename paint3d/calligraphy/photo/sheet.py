@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.photo.ink_mask import otsu
 from paint3d.colour.spectra import decode_srgb
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, cross_2d
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -346,7 +346,7 @@ def _four_corners(ring: AnyArray) -> NDArray[np.float64] | None:
             meet = _intersect(a, b, d, c)
             if meet is None:
                 continue
-            grown = 0.5 * abs(_cross(c - b, meet - b))
+            grown = 0.5 * abs(float(cross_2d(c - b, meet - b)))
             if grown < least:
                 best, least = (k, meet), grown
         if best is None:
@@ -357,18 +357,14 @@ def _four_corners(ring: AnyArray) -> NDArray[np.float64] | None:
     return ring if len(ring) == 4 else None
 
 
-def _cross(a: AnyArray, b: AnyArray) -> float:
-    return float(a[0] * b[1] - a[1] * b[0])
-
-
 def _intersect(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray | None:
     """Intersection of the lines from a through b and from d through c, beyond b and c."""
     along, other = b - a, c - d
-    turn = _cross(along, other)
+    turn = cross_2d(along, other)
     if abs(turn) < 1e-9:
         return None
-    t = _cross(d - a, other) / turn
-    s = _cross(d - a, along) / turn
+    t = cross_2d(d - a, other) / turn
+    s = cross_2d(d - a, along) / turn
     return a + t * along if t >= 1.0 - 1e-9 and s >= 1.0 - 1e-9 else None
 
 
@@ -494,10 +490,10 @@ def _line_through(x: AnyArray, y: AnyArray, weight: AnyArray, near: float) -> tu
 def _cross_lines(one: AnyArray, other: AnyArray) -> AnyArray | None:
     a, b = one
     c, d = other
-    turn = _cross(b - a, d - c)
+    turn = cross_2d(b - a, d - c)
     if abs(turn) < 1e-9:
         return None
-    met: AnyArray = a + _cross(c - a, d - c) / turn * (b - a)
+    met: AnyArray = a + cross_2d(c - a, d - c) / turn * (b - a)
     return met
 
 

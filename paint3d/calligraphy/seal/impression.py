@@ -161,7 +161,7 @@ def find_impression(
 
 def _measure_touched(chart: SurfaceChart, stone: _Stone, pressing: Pressing) -> float:
     """How much of the stone's ink would meet the surface, 0 to 1, before that is refined."""
-    reach = np.array([chart.half_width, chart.half_height])
+    reach = chart.reach
     x, y = np.meshgrid(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach), indexing="ij")
     lattice = np.stack([x.ravel(), y.ravel()], axis=1)
     soft = max(_EDGE * (2.0 * reach.max() / _ACROSS), _SOFT_MM)
@@ -184,7 +184,7 @@ def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> Non
     mesh = surface.paint_mesh
     fields = mesh.arrays
     size = fields.cell_size
-    reach = np.array([chart.half_width, chart.half_height])
+    reach = chart.reach
     counts = np.ceil(2.0 * reach / (0.5 * size)).astype(int) + 2
     axes = [np.linspace(-r, r, n) for r, n in zip(reach, counts, strict=True)]
     grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
@@ -210,7 +210,7 @@ def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> Non
 def _vertices_under(surface: PaintedSurface, chart: SurfaceChart) -> tuple[AnyArray, AnyArray]:
     """Vertices (N,) on the chart's own sheet of surface, and where on it they are (N, 2)."""
     vertices = surface.paint_mesh.vertices.astype(np.float64)
-    radius = math.hypot(chart.half_width, chart.half_height) + 1.0
+    radius = math.hypot(*chart.reach) + 1.0
     ids = np.flatnonzero(lengths_of(vertices - chart.frame.origin) <= radius)
     xy = unroll(chart, vertices[ids])
     known = np.isfinite(xy).all(axis=1)
