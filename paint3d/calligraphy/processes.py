@@ -147,6 +147,6 @@ def _pack_answer(answer: _Answer) -> memoryview | bytes:
         told = f"{type(cause).__name__}: {cause}"
         if fault is not None:
             told = f"{type(fault).__name__}: {fault} ({told})"
-        unsent = Paint3DError("what a process found could not be sent back: {told}", told=told)
+        unsent = Paint3DError("the result of a process could not be sent back: {told}", told=told)
         packed = ForkingPickler.dumps((number, None, unsent))
     return packed

@@ -162,7 +162,7 @@ def place(
     normal = surface.find(point[None]).normals[0]
     if normal @ ray >= 0.0:
         raise MeshError(
-            "{object}: {where} the surface faces away; try another",
+            "{object}: {where} the surface faces away; expected another place",
             object=surface.mesh.name,
             where=where,
         )

@@ -80,7 +80,7 @@ class RegionPick:
     def __post_init__(self) -> None:
         if self.up_to not in _KINDS:
             raise InputError(
-                "a region up to {up_to!r}; expected 'crease' or 'piece'",
+                "up_to is {up_to!r}; expected 'crease' or 'piece'",
                 up_to=self.up_to,
             )
         as_number(self.degrees, "crease (degrees)", 0.0, 180.0)
@@ -146,7 +146,7 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
     faces = mesh.base_faces
     n = len(faces)
     if isinstance(pick.face, bool) or not 0 <= pick.face < n:
-        raise InputError("face {face}; expected 0 to {last}", face=pick.face, last=n - 1)
+        raise InputError("face is {face}; expected 0 to {last}", face=pick.face, last=n - 1)
     one, two = _find_neighbours(mesh)
     if pick.up_to == "crease":
         normals = face_normals(mesh.vertices[mesh.base_faces].astype(np.float64))

@@ -280,7 +280,9 @@ def _characters(ink: InkMask, asked: Asked) -> list[Character]:
     if len(kept) == len(shapes):
         return found
     if not kept:
-        raise InputError("all ink on the sheet is in smaller bits than that; expected some strokes")
+        raise InputError(
+            "all pieces of ink on the sheet are smaller than that; expected a smaller least size"
+        )
     return characters_of(kept, ink.width, asked.lines, columns=asked.columns)
 
 

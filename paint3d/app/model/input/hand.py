@@ -323,7 +323,7 @@ class HandSettings:
         as_number(self.landing_s, "landing (s)", 0.0, 1.0)
         if self.pressure_by not in ("keys", "speed"):
             raise InputError(
-                "pressure by {pressure_by!r}; expected 'keys' or 'speed'",
+                "pressure_by is {pressure_by!r}; expected 'keys' or 'speed'",
                 pressure_by=self.pressure_by,
             )
 

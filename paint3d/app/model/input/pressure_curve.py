@@ -93,7 +93,8 @@ class PressureCurve:
         """
         if not 0 < index < len(self.points) - 1:
             raise InputError(
-                "point {index} of the pressure curve; expected one in between",
+                "point {index} of the pressure curve cannot be removed; expected one between "
+                "its ends",
                 index=index,
             )
         return PressureCurve(self.points[:index] + self.points[index + 1 :])

@@ -303,7 +303,8 @@ class Unfinished:
         """The lock, held; None where nothing can be written, so that nobody can delete it."""
         name = self.object_name if self.path is None else self.path.name
         taken = Message(
-            "{name}: another window has taken it up; expected what a crash left", name=name
+            "{name}: another window has opened it already; choose another painting to recover",
+            name=name,
         )
         if not self.folder.is_dir():
             raise SessionError(taken)

@@ -158,7 +158,7 @@ def restore_history(
         n_done, n_undone = (list(own).count(_STROKE) for own in words)
         if n_done > len(strokes) or n_undone != len(undone):
             raise SessionError(
-                "they are {n_done} and {n_undone} strokes; expected {n} and {undone}",
+                "{n_done} strokes are done and {n_undone} undone; expected {n} and {undone}",
                 n_done=n_done,
                 n_undone=n_undone,
                 n=len(strokes),
@@ -191,13 +191,17 @@ def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept
     count, p = len(of), len(surface.pigments)
     makers = _makers(surface, state)
     if of.dtype != np.int32 or (count and not 0 <= of.min() <= of.max() < len(makers)):
-        raise SessionError("painters are {of_dtype}, none of {n}", of_dtype=of.dtype, n=len(makers))
+        raise SessionError(
+            "painters are numbered as {of_dtype}; expected int32 below {n}",
+            of_dtype=of.dtype,
+            n=len(makers),
+        )
     loaded, dipped = np.asarray(state["loaded"]), np.asarray(state["dipped"])
     if loaded.dtype != np.float64 or not (np.abs(loaded) <= MOST_INK).all():
         raise SessionError("ink that was loaded is out of range")
     if loaded.shape != of.shape or dipped.shape != of.shape or dipped.dtype != np.uint8:
         raise SessionError(
-            "{count} painters have loaded {loaded_shape} times",
+            "loads have shape {loaded_shape}; expected one for each of {count} painters",
             count=count,
             loaded_shape=loaded.shape,
         )
@@ -207,10 +211,12 @@ def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept
     of_texts = np.asarray(state["text"])
     if of_texts.shape != of.shape or of_texts.dtype != np.int32:
         raise SessionError(
-            "{count} paintings have texts {shape}", count=count, shape=of_texts.shape
+            "texts are numbered in shape {shape}; expected one number for each of {count} steps",
+            count=count,
+            shape=of_texts.shape,
         )
     if count and not 0 <= of_texts.min() <= of_texts.max() < len(texts):
-        raise SessionError("a text is none of {count}", count=len(texts))
+        raise SessionError("a text has a number beyond {count}", count=len(texts))
     column = np.asarray(state["hair_loads"])
     if column.size and not 0.0 <= column.min() <= column.max() <= MOST_INK:
         raise SessionError("ink of single hairs is out of range")
@@ -240,7 +246,11 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
     for words in state["painters"]:
         place, hairs = words["brush"], words["hairs"]
         if type(place) is not int or not 0 <= place < len(brushes):
-            raise SessionError("a brush is the {place!r:.20}th of {n}", place=place, n=len(brushes))
+            raise SessionError(
+                "a painter has brush {place!r:.20}; expected a number below {n}",
+                place=place,
+                n=len(brushes),
+            )
         spec = None if hairs is None else BristleSpec(**hairs)
         key = place, spec
         if key not in tufts:

@@ -278,7 +278,9 @@ def _encode_value(value: Any) -> Any:
         return [_encode_value(item) for item in value]
     if isinstance(value, str | int | float | bool) or value is None:
         return value
-    raise RecordingError("{kind} is nothing that a recording can say", kind=type(value).__name__)
+    raise RecordingError(
+        "a recording cannot hold a value of type {kind}", kind=type(value).__name__
+    )
 
 
 def _encode_plain(arguments: Mapping[str, Any], _: Vocabulary) -> JsonObject:
