@@ -3,7 +3,7 @@
 A brush that runs dry touches only what stands out of a surface's grain (docs/model.md, equation
 (13)). What share of its footprint that is depends on the level λ alone: its load over the one at
 which it begins to skip, g (0.8 - 0.4 pe) of a dip on a material of grain g. So a share that shall
-stay bare gives λ, by a table, and with the planned pressure the load. The recording's header tells
+stay bare gives λ, by a table, and with the planned pressure the load. The recording's header says
 it (``loads``) wherever it changes: how much is bare, and where along the stroke; not which streak.
 """
 
@@ -60,7 +60,7 @@ _SKIPS_AT, _PRESSED = 0.8, 0.4  # of a dip, on grain 1: model.md, 5; less by so 
 _DRIEST = 0.97  # share left bare, that a stroke is painted with at the most
 _WET = 0.03  # share left bare, below which ink is as full as it comes
 _FULLNESS = 3.0  # of a dip: streaks of a brush that is nearly dry are as black as wet ink
-_NEXT = 0.04  # of itself, or of a tenth of a dip: by how much a load must differ to be told anew
+_NEXT = 0.04  # of itself, or of a tenth of a dip: by how much a load must differ to be written anew
 _MOST_CHANGES = 1500  # loads in a header, whose line has no more room
 _DECIMALS = 4
 _PLACES = 400  # of a line, of which each point has its nearest
@@ -165,7 +165,7 @@ def loads_for(dryness: AnyArray, pressure: AnyArray, grain: float) -> NDArray[np
 
 
 def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording:
-    """A recording whose header tells with how much water strokes are written (``strengths``).
+    """A recording whose header says with how much water strokes are written (``strengths``).
 
     Of a film that scatters little the density -log10 of the light grows as the ink in it does
     (Beer and Lambert); see `diluted`.
@@ -210,7 +210,7 @@ def diluted(strength: AnyArray) -> NDArray[np.float64]:
 
 
 def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> Recording:
-    """A recording whose header tells the brush's load wherever it changes.
+    """A recording whose header has the brush's load wherever it changes.
 
     Parameters
     ----------

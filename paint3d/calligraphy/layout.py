@@ -465,25 +465,25 @@ def with_suggestion(
     if smaller is None and other is None:
         return fault
     if other is None:
-        told = Message(
+        message = Message(
             "{cause}; a size of {smaller:g} mm would fit", cause=fault.message, smaller=smaller
         )
     elif smaller is None:
-        told = Message(
+        message = Message(
             "{cause}; this size would fit at {u:g},{v:g}",
             cause=fault.message,
             u=other[0],
             v=other[1],
         )
     else:
-        told = Message(
+        message = Message(
             "{cause}; a size of {smaller:g} mm would fit, and this size at {u:g},{v:g}",
             cause=fault.message,
             smaller=smaller,
             u=other[0],
             v=other[1],
         )
-    return type(fault)(told, hint=fault.hint)
+    return type(fault)(message, hint=fault.hint)
 
 
 def _too_long_error(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:

@@ -172,10 +172,7 @@ _LIKE = {"㇅": "㇈", "㇊": "㇈", "㇌": "㇋", "㇡": "㇉", "一": "㇐", "
 _HOOK = 0.16  # of the length: hooks of centre lines are small
 _FINE = 160  # sections along a segment
 _ROUNDING = 1.5  # units: the radius that corners of an outline are rounded with
-_STEADY, _STRAYS = (
-    0.8,
-    math.radians(14.0),
-)  # where its last heading is read; a bend from there
+_STEADY, _STRAYS = 0.8, math.radians(14.0)  # where the last heading is read; a bend from there
 _LEAST_HALF, _MOST_HALF = 6.0, 70.0  # units
 # Of characters of few strokes a brush makes these bolder than the printed script that widths were
 # learned from: how much more at most, and after how many strokes a third of it is left

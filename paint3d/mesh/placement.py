@@ -127,7 +127,7 @@ def place(
             sides=", ".join((*SIDES, *FACES)),
         )
     asked, values = side, np.asarray(at, dtype=np.float64)
-    told = values.tolist()
+    asked_at = values.tolist()
     if side in FACES:
         if values.shape == (3,):
             raise InputError(
@@ -151,7 +151,7 @@ def place(
         )
     start, ray = _ray(surface, as_array(values, "at", values.shape), side)
     hits = surface.cast(start[None], ray[None])
-    where = Message("at {place} seen from the {side}", place=told, side=asked)
+    where = Message("at {place} seen from the {side}", place=asked_at, side=asked)
     if not hits.hit[0]:
         raise MeshError(
             "{object}: there is no surface {where}; expected another place",

@@ -486,7 +486,7 @@ class PaintThread:
         self._n_asked -= sum(job.command != _FOLLOW for job in jobs)
         for job in jobs:
             if job.result is not None and job.result.cancel():
-                job.result.set_running_or_notify_cancel()  # who waits for it is told
+                job.result.set_running_or_notify_cancel()  # who waits for it gets this
 
     def _run(self) -> None:
         while True:
@@ -769,7 +769,7 @@ class _JournalWriter:
                 if self._leaving:
                     continue
                 errors = (self._turn_pages if turns else self._write_all)(some)
-                if errors:  # painting goes on; it is told once
+                if errors:  # painting goes on; it is reported once
                     if not broken:
                         self._report("keeping", errors[0])
                     self.has_gap = True

@@ -63,9 +63,9 @@ class Stroke:
     tags : dict
         What else is known, as JSON holds it: character, participant, device set ...
     loads : tuple of (int, float)
-        How much the brush came to hold at samples, shares of a dip, where that was told.
+        How much the brush came to hold at samples, shares of a dip, where that was given.
     strengths : tuple of (int, float)
-        What fraction of the ink it was then, the rest being water, where that was told.
+        What fraction of the ink it was then, the rest being water, where that was given.
     """
 
     time_s: float
@@ -106,7 +106,7 @@ class Stroke:
         )
 
     def tool_changes(self, shift: int = 0) -> dict[str, list[list[float]]]:
-        """Loads and strengths as a recording's header tells them, times moved by `shift` ns."""
+        """Loads and strengths as a recording's header has them, times moved by `shift` ns."""
         changes = {}
         for name, pairs in (("loads", self.loads), ("strengths", self.strengths)):
             known = [one for one in pairs if one[0] < len(self.samples)]
@@ -240,7 +240,7 @@ class StrokeLog:
 def checked_pairs(
     name: str, changes: Sequence[tuple[int, float]], least: float = 0.0
 ) -> tuple[tuple[int, float], ...]:
-    """What is told of samples of a stroke, shares from `least` to 1.
+    """Pairs of a stroke's samples and shares, shares from `least` to 1.
 
     Raises
     ------

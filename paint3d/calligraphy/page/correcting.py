@@ -26,9 +26,9 @@ if TYPE_CHECKING:
 
 __all__ = ["CorrectedPage", "CorrectedStroke", "Steps", "halves_at"]
 
-_GRID = 1e-3  # glyph units: what a file of strokes tells
+_GRID = 1e-3  # glyph units: to which a file of strokes is rounded
 _NEAREST_END = 0.02  # of a stroke's length: a cut nearer to an end is none
-_MOST_SAMPLES = 300  # along a stroke, to tell which half a place belongs to
+_MOST_SAMPLES = 300  # along a stroke, to find which half a place belongs to
 _STANDS_OUT = 0.25  # of a box: so far letters of a font may stand out of theirs
 _CRUMB = 1.0  # square units: smaller bits that touch neither half are rounding
 

@@ -630,7 +630,7 @@ def _read_inks(
                 name=name,
                 label=label,
             )
-        for points, _ in lines:  # of some curves the boxes do not tell
+        for points, _ in lines:  # the boxes of some curves are too small
             _check_reach(name, points)
         for ink in _inks(lines, one, label):
             kept = ink if clips is None else clips.cut(ink, one.shape)

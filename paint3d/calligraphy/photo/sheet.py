@@ -101,7 +101,7 @@ def sheet_size(corners: AnyArray, shape: tuple[int, int], longest: int) -> tuple
 
 
 def _ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
-    """Width over height of a sheet, where the perspective is strong enough to tell."""
+    """Width over height of a sheet, where the perspective is strong enough."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     size = max(shape)
     matrix = homography(square, (corners - 0.5 * np.array(shape[::-1])) / size)
@@ -637,7 +637,7 @@ def blur_matrix(n: int, sigma: float) -> NDArray[np.float64]:
 # What a photograph hides of its sheet: highlights and black shadows.
 
 
-_CLIPPED = 0.985  # linear light of all three colours: nothing is told above it
+_CLIPPED = 0.985  # linear light of all three colours: above it nothing is distinguished
 _BRIGHTER = 1.25  # than the sheet's own paper: a highlight, not paper that is exposed so
 _GLARE, _BLACK_SHADOW = 0.02, 0.05  # of the sheet, that may be hidden
 _LIT = 0.4  # of the sheet: what is lighter than the rest, and less than that, is no paper

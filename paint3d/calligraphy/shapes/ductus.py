@@ -160,7 +160,7 @@ def _without_outline(line: NDArray[np.float64]) -> GlyphStroke:
 # stem that is joined at its foot (the final alef) goes up, others go down; what is added to a body
 # (tah's stem, kaf's bar) comes after it, dots come last. These are the ways of M. Sakkal, *Arabic
 # alphabet chart in naskh style* (sakkal.com). Forms that hands write differently (the joined hah,
-# meem, heh) are not listed: the shape alone tells their way.
+# meem, heh) are not listed: their way follows from the shape alone.
 #
 # Lines go from 0 to 1 in the box of the letter's body, without its dots: the way from its entry on
 # the right to its exit on the left, then what is added.
@@ -319,9 +319,9 @@ def body_strokes(letters: Sequence[PlacedLetter]) -> Glyph | None:
 # Order and direction of strokes where nothing is known of the character.
 #
 # Strokes are drawn to the right and downwards, and out to their point, since a brush is set down
-# and lifted off: that tells a rising stroke from one that falls to the left. What stands apart is
-# written from the left to the right where it stands side by side, and from the top downwards
-# otherwise. A closed stroke begins at its top. Who writes from the right mirrors the shape before,
+# and lifted off: that distinguishes a rising stroke from one that falls to the left. What stands
+# apart is written from the left to the right where it stands side by side, else from the top
+# downwards. A closed stroke begins at its top. Who writes from the right mirrors the shape before,
 # and the strokes after; there letters run on along the line, joined, and what begins farther along
 # it is written later, however high.
 
@@ -342,7 +342,7 @@ _FIRST_STROKE = 0.06  # of the height, that level strokes are written before oth
 def directed(line: AnyArray, region: Polygon | None = None) -> NDArray[np.float64]:
     """A line (N, 2) in the direction that it is written in, by its stroke's taper, too, if given.
 
-    What is left over of a known letter is told by its line alone: it has no taper of its own.
+    What is left over of a known letter is judged by its line alone: it has no taper of its own.
     """
     if np.array_equal(line[0], line[-1]):
         return line if signed_area(line[:-1]) > 0.0 else line[::-1]  # leftwards first

@@ -23,7 +23,15 @@ from paint3d.core.polyline import arc_lengths, interpolate, line_length, resampl
 if TYPE_CHECKING:
     from shapely import LineString, Polygon
 
-__all__ = ["Ink", "InkStroke", "has_way", "line_of", "pieces_of", "shared_out", "with_stubs"]
+__all__ = [
+    "Ink",
+    "InkStroke",
+    "complete_regions",
+    "has_length",
+    "line_of",
+    "pieces_of",
+    "with_stubs",
+]
 
 _LEFT_OUT, _LEFT_OUT_SHARE = 0.9, 0.35  # radii and share of a branch: straight through a junction
 _CALM = 0.35  # half widths that lines are smoothed over
@@ -80,7 +88,7 @@ def line_of(chain: Chain, ink: Ink) -> NDArray[np.float64]:
     return np.concatenate([joined, joined[:1]]) if chain.closed and n > 1 else joined
 
 
-def has_way(chain: Chain, ink: Ink) -> bool:
+def has_length(chain: Chain, ink: Ink) -> bool:
     """Return whether a stroke has a length: junctions that fall together leave some without."""
     line = line_of(chain, ink)
     return bool(line_length(line) > _NO_WAY * ink.half_widths(line).max())
@@ -147,7 +155,7 @@ def _smooth_in_region(line: AnyArray, half: float, region: Polygon) -> NDArray[n
     return even if region.covers(shapely.LineString(even)) else line
 
 
-def shared_out(pieces: Sequence[InkStroke], ink: Ink) -> list[InkStroke]:
+def complete_regions(pieces: Sequence[InkStroke], ink: Ink) -> list[InkStroke]:
     """Make every region one polygon, and what no stroke has to the one it touches most."""
     import shapely
 

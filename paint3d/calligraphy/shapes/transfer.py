@@ -175,7 +175,7 @@ _CORNER = 1.2  # widths that a right angle takes off that
 _SHORTEST = 0.8  # widths of a run of one stroke
 _TOGETHER, _ASUNDER = -90.0, 400.0  # degrees, for ends of the same stroke and of others
 _SKIPPED = 250.0  # degrees, for all of a stroke that lies between two ends of it
-_NEAR_END = 2.0  # widths of a branch that tell what its end lies on
+_NEAR_END = 2.0  # widths of a branch by which what its end lies on is found
 _SPUR = 1.5  # widths: what a stroke has besides its longest part is no part of it below that
 _AWAY = 0.25  # widths: the mean distance up to which a shape is the known character
 _COVERED, _MORE = 0.15, 1.2  # the same where all of the lines lie on it: it has serifs besides
@@ -544,9 +544,9 @@ def in_known_order(
 
 
 def _runs_back(before: AnyArray, line: AnyArray, sure: float, width: float) -> bool:
-    """Return whether a stroke ends, not begins, where the pen is, and nothing tells that it does.
+    """Return whether a stroke ends, not begins, where the pen is, without evidence for it.
 
-    The smoother the pen would run on, the more has to tell it.
+    The smoother the pen would run on, the more evidence is needed.
     """
     away = np.linalg.norm(line[[0, -1]] - before[-1], axis=1)
     if not away[1] < _TOUCHING * width < away[0]:

@@ -1,4 +1,4 @@
-"""When the hand did what an event tells: the device's own time on the program's clock.
+"""When the hand did what an event reports: the device's own time on the program's clock.
 
 A window system hands events over when the program asks for them, which is late and in bursts while
 a picture is drawn. What depends on speed and standing must not depend on that, so the time that the
@@ -7,7 +7,7 @@ it is taken as it is, however late the first event was handed over. Other clocks
 monotonic one once for each kind of device, and again only while nothing is painted. Where the times
 of another device lie ahead, as after its first event was handed over late, a stroke begins behind
 them and keeps its pace. Where a device gives no times, or the same for all, the time of handing
-over is evened out instead, and that is told.
+over is evened out instead, and that is said.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _LOST_NS = 60_000 * _MS  # nobody waits so long for a picture: the clocks have p
 _AHEAD_NS = 20 * _MS  # an event cannot come before it happened; so much is rounding
 _NEAR_MS = 5_000  # that an event's own time lies before its handing over, if both are of one clock
 _WRAP_MS = 1 << 32  # X11 counts so far, and begins again
-_STUCK = 16  # events of one time stamp: more come from no device that tells the time
+_STUCK = 16  # events of one time stamp: more come from no device with a clock
 _FIRST_PERIOD_NS = 8 * _MS
 _PERIODS_NS = 1 * _MS, 40 * _MS  # of devices, least and most
 _PULL, _LEARN = 0.1, 0.1  # how fast evened times follow the handing over, and its period
@@ -86,7 +86,7 @@ class EventClock:
         return found
 
     def _judge(self, kind: str, known: _Kind, stamp_ms: int, handled_ns: int) -> None:
-        """Find out whether a device tells the time."""
+        """Find out whether a device has a clock."""
         known.n_same = known.n_same + 1 if stamp_ms == known.stamp_ms else 0
         if stamp_ms <= 0 or known.n_same >= _STUCK:
             if not known.untimed:

@@ -3,7 +3,7 @@
 A window says where the pointer's ray meets the object, or gives the ray. That place is what every
 sample says as its contact: the middle of the footprint comes to lie there, however the pen leans.
 What a mouse cannot say is made up: the pressure from keys, wheel or speed, and the bend from the
-way, for the tuft trails behind, unless it is told whither (Guo 2015, Table 2: device I). A stroke
+way, for the tuft trails behind, unless a direction is given (Guo 2015, Table 2: device I). A stroke
 waits until it is known whither it goes, so that the tuft comes down trailing and need not turn
 round. Strokes can be steadied by a string that pulls the brush; its end is reached when the stroke
 ends.
@@ -201,7 +201,7 @@ _MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outlin
 _HALVINGS = 7  # of the angle between two rays, to find an edge between them
 _STAYS = 0.6  # of a way: a part that stays greater is an edge's
 _FILTER_S = 0.03  # over which the pointer's speed is taken
-_SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that tells whither a stroke goes, if need be
+_SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that shows a stroke's direction, if need be
 _STANDS_NS = 150_000_000  # after which a brush that does not move comes down as it is
 _LEANS = math.sin(math.radians(5.0))  # a pen that leans more has its tip on the other side
 _UNDER = 0.07  # of the tuft's length: half a footprint, about
@@ -230,7 +230,7 @@ class PointerInput:
     x_tilt, y_tilt : float
         Degrees that the pen leans to the right, and towards the user (down in the picture).
     rotation : float or None
-        Degrees clockwise about the pen's own axis; None where the device does not tell.
+        Degrees clockwise about the pen's own axis; None where the device does not report it.
     buttons : int
         Bit field of `DeviceSample`.
     harder, softer : bool
@@ -238,7 +238,7 @@ class PointerInput:
     wheel : float
         Notches since the last event, for the same.
     bend : (3,) or None
-        Whither the tuft's tip is told to point, however long; None: it trails behind the way.
+        Direction that the tuft's tip shall point in, of any length; None: it trails behind.
     """
 
     time_ns: int
@@ -264,7 +264,7 @@ RULERS = ("none", "straight", "ring", "profile")
 plane through its upright axis."""
 
 _RULED = 4  # steps to where the ruler and the surface meet
-_LEAST_ARM_MM = 2.0  # that tells whither a ruler leads
+_LEAST_ARM_MM = 2.0  # from which a ruler's direction is taken
 
 
 @dataclass(frozen=True)
@@ -361,7 +361,7 @@ class _Stand:
     twist: float | None  # rad
     pressure: float
     buttons: int
-    bend: AnyArray | None = None  # unit, whither the tip is told to point
+    bend: AnyArray | None = None  # unit, in which the tip shall point
 
 
 class Hand:
@@ -624,8 +624,8 @@ class Hand:
         first, last = self._waiting[0], self._waiting[-1]
         far = length_of(last.target - first.point) >= _SURE * self._trail(brush)
         stands = last.time_ns - first.time_ns >= _STANDS_NS
-        told = first.twist is not None or last.bend is not None
-        return self._land(brush) if far or stands or told else []
+        given = first.twist is not None or last.bend is not None
+        return self._land(brush) if far or stands or given else []
 
     def _land(self, brush: BrushSpec) -> list[DeviceSample]:
         """Samples of all that waited; the tip trails behind the way, or points as it rests."""

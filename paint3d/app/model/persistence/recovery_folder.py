@@ -3,7 +3,7 @@
 A recovery folder belongs to one painting. ``base-K.p3d`` is the painting at a moment,
 ``journal-K.p3dj`` all samples and commands since, in order; doing them again on the base gives the
 same painting to the bit. Saving a new base starts a new journal first, so at every moment some base
-and the journals after it hold everything. A lock that dies with the program tells whether its
+and the journals after it hold everything. A lock that dies with the program shows whether its
 painting is still open. Folder and files are the user's alone.
 """
 
@@ -156,7 +156,7 @@ class RecoveryFolder:
         base = self.folder / f"base-{self._number}.p3d"
         document.save_copy(base)
         make_private(base)
-        with suppress(ExportError):  # turning the page will tell
+        with suppress(ExportError):  # turning the page will report it
             self._lay_out_page()
         with suppress(OSError):
             self._describe(document, document.modified or self._has_undone(document))

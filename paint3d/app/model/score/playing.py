@@ -172,10 +172,12 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
             amount = stroke.amount
         brush = stroke.brush
         pairs = {"loads": stroke.loads, "strengths": stroke.strengths}
-        told: dict[str, Any] = {name: [list(one) for one in of] for name, of in pairs.items() if of}
+        given: dict[str, Any] = {
+            name: [list(one) for one in of] for name, of in pairs.items() if of
+        }
         if stroke.tags.get(ERASES):
-            told["erase"] = True
-        events.append({"do": "begin_stroke", "time_s": stroke.time_s, **told})
+            given["erase"] = True
+        events.append({"do": "begin_stroke", "time_s": stroke.time_s, **given})
         events.append(recording_of(stroke.samples, {}))
         events.append({"do": "end_stroke"})
     header = make_header(surface, first.brush, ink_of(first, surface), inks)

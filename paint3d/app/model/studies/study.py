@@ -63,7 +63,7 @@ class Measured:
     stroke_seconds : tuple of float
         Of each stroke, s.
     likeness : float or None
-        IoU with the copybook; None where it cannot be told.
+        IoU with the copybook; None where it cannot be measured.
     """
 
     trial: Trial
@@ -344,10 +344,10 @@ def _align_clocks(strokes: Sequence[Recording]) -> list[Recording]:
             before = moved[-1]
             own = int(stroke.time_ns[0]) - int(before.time_ns[0])
             day = [float(one.header.get("time_s", math.nan)) for one in (before, stroke)]
-            told = (day[1] - day[0]) * 1e9
+            by_day = (day[1] - day[0]) * 1e9
             apart = int(stroke.time_ns[0]) < int(before.time_ns[-1])
-            if math.isfinite(told) and (apart or own - told > _ANOTHER_CLOCK_NS):
-                shift = round(told) - own
+            if math.isfinite(by_day) and (apart or own - by_day > _ANOTHER_CLOCK_NS):
+                shift = round(by_day) - own
                 stroke = dataclasses.replace(stroke, time_ns=stroke.time_ns + shift)
         moved.append(stroke)
     return moved
