@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,15 +24,13 @@ from paint3d.errors import InputError
 if TYPE_CHECKING:
     from shapely import Polygon
 
-__all__ = ["CorrectedPage", "CorrectedStroke", "Steps", "halves_at"]
+__all__ = ["CorrectedPage", "CorrectedStroke", "halves_at"]
 
 _GRID = 1e-3  # glyph units: to which a file of strokes is rounded
 _NEAREST_END = 0.02  # of a stroke's length: a cut nearer to an end is none
 _MOST_SAMPLES = 300  # along a stroke, to find which half a place belongs to
 _STANDS_OUT = 0.25  # of a box: so far letters of a font may stand out of theirs
 _CRUMB = 1.0  # square units: smaller bits that touch neither half are rounding
-
-State = TypeVar("State")
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,51 +222,6 @@ class CorrectedPage:
 
     def _replace_all(self, strokes: Iterable[CorrectedStroke]) -> CorrectedPage:
         return replace(self, strokes=tuple(strokes))
-
-
-class Steps(Generic[State]):
-    """States one after another, of which the last ones can be undone and done again.
-
-    Parameters
-    ----------
-    first : State
-    """
-
-    def __init__(self, first: State) -> None:
-        self._states, self._points_at = [first], 0
-
-    @property
-    def now(self) -> State:
-        """The state that counts."""
-        return self._states[self._points_at]
-
-    @property
-    def first(self) -> State:
-        """State that it began with."""
-        return self._states[0]
-
-    @property
-    def can_undo(self) -> bool:
-        """Return whether there is a state before."""
-        return self._points_at > 0
-
-    @property
-    def can_redo(self) -> bool:
-        """Return whether something was undone."""
-        return self._points_at + 1 < len(self._states)
-
-    def take(self, state: State) -> None:
-        """Go on to another state; what was undone is forgotten."""
-        self._states[self._points_at + 1 :] = [state]
-        self._points_at += 1
-
-    def undo(self) -> None:
-        """Go back by one, where there is one."""
-        self._points_at -= self.can_undo
-
-    def redo(self) -> None:
-        """Go forth by one, where there is one."""
-        self._points_at += self.can_redo
 
 
 # -- strokes ------------------------------------------------------------------------------------
