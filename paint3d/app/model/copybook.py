@@ -486,11 +486,8 @@ def _count_inside(ghost: Ghost, points: AnyArray) -> int:
 
 def _densify(line: AnyArray, closed: bool, step: float) -> AnyArray:
     """Points along a line (N, 2) at most a step apart, with its own corners."""
-    if closed:
-        line = np.concatenate([line, line[:1]])
-    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    counts = np.maximum(1, np.ceil(lengths / step)).astype(int)
-    before = np.repeat(np.cumsum(counts) - counts, counts)
-    share = (np.arange(counts.sum()) - before) / np.repeat(counts, counts)
-    start, way = (np.repeat(of, counts, axis=0) for of in (line[:-1], np.diff(line, axis=0)))
-    return np.concatenate([start + share[:, None] * way, line[-1:]])
+    from shapely import LineString, get_coordinates, segmentize
+
+    corners = np.concatenate([line, line[:1]]) if closed else line
+    points: AnyArray = get_coordinates(segmentize(LineString(corners), step))
+    return points
