@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.tuft import Tuft
-from paint3d.calligraphy.timing import Motion, Tempo, minimum_jerk
+from paint3d.calligraphy.timing import Motion, Tempo, ease_between, minimum_jerk
 from paint3d.core.arrays import AnyArray
 from paint3d.core.polyline import unit_vectors
 from paint3d.core.quaternion import quaternions_from_matrices, rotate, slerp
@@ -158,7 +158,7 @@ def _move_seconds(
 
 def _arc(first: AnyArray, last: AnyArray, rise: AnyArray, t: AnyArray) -> AnyArray:
     bump = 64.0 * (t * (1.0 - t)) ** 3
-    result: AnyArray = first + minimum_jerk(t)[:, None] * (last - first) + bump[:, None] * rise
+    result: AnyArray = ease_between(first, last, t) + bump[:, None] * rise
     return result
 
 

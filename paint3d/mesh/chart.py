@@ -27,6 +27,7 @@ __all__ = [
     "SurfaceChart",
     "SurfaceFrame",
     "frame_at",
+    "lattice",
     "lay_square",
     "make_chart",
     "overlapping",
@@ -166,6 +167,11 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     return SurfaceFrame(found.points[0], cross(y_axis, normal), y_axis, normal)
 
 
+def lattice(xs: AnyArray, ys: AnyArray) -> NDArray[np.float64]:
+    """Points (N, 2) of a lattice by its places along x and along y, the latter running faster."""
+    return np.stack(np.meshgrid(xs, ys, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
 class SurfaceChart:
     """A smooth map from a flat rectangle, in mm, onto a surface.
 
@@ -235,7 +241,7 @@ class SurfaceChart:
         wanted = as_array(points, "points", (None, 3))
         reach = self.reach
         lines = [np.linspace(-half, half, _INVERSE_NODES) for half in reach]
-        grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+        grid = lattice(*lines)
         spacing = float(2.0 * reach.max() / (_INVERSE_NODES - 1))
         tree = cKDTree(self.points(grid))
         distance, nearest = tree.query(wanted, distance_upper_bound=1.5 * spacing + most_off)
@@ -405,8 +411,7 @@ def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
     from scipy.spatial import KDTree
 
     given, reach = as_array(points, "points", (None, 3)), chart.reach
-    x, y = np.meshgrid(*(np.linspace(-r, r, _NODES) for r in reach), indexing="ij")
-    nodes = np.stack([x.ravel(), y.ravel()], axis=1)
+    nodes = lattice(*(np.linspace(-r, r, _NODES) for r in reach))
     there = chart.points(nodes)
     step = 2.0 * reach.max() / (_NODES - 1)
     stretch = np.linalg.norm(np.diff(there.reshape(_NODES, _NODES, 3), axis=0), axis=2).max()
@@ -625,7 +630,7 @@ def lay_square(
         np.linspace(-0.5 * side, 0.5 * side, max(_FEWEST, round(_EM_PROBES * (side / em_mm))) + 1)
         for side in (width, height)
     ]
-    xy = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    xy = lattice(*lines)
     shape = (len(lines[0]), len(lines[1]), 3)
     points, normals = chart.points(xy).reshape(shape), chart.normals(xy).reshape(shape)
     square = EmSquare(chart, em_mm, width, height, points, normals)

@@ -371,13 +371,19 @@ def _intersect(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray |
 # -- judging and drawing the sides --------------------------------------------------------------
 
 
+def _side_normal(start: AnyArray, end: AnyArray) -> AnyArray:
+    """Unit vector (2,) across a side, outwards."""
+    way = end - start
+    normal: AnyArray = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+    return normal
+
+
 def _sample_across(planes: _Planes, start: AnyArray, end: AnyArray, offsets: AnyArray) -> AnyArray:
     """Values of planes at offsets (K,) across a side: (planes, stations, K)."""
     from scipy.ndimage import map_coordinates
 
     share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
-    way = end - start
-    normal = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+    way, normal = end - start, _side_normal(start, end)
     places = (start + share[:, None] * way)[:, None] + offsets[None, :, None] * normal
     at = places[..., ::-1].reshape(-1, 2).T - 0.5
     values = [map_coordinates(plane, at, order=1, mode="nearest") for plane in planes.planes]
@@ -446,8 +452,7 @@ def _fit_side(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> 
     weight = np.minimum(weight, np.median(weight))  # a seal is stronger, but only in some places
     share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
     slope, height = _line_through(share, best, weight, 0.25 * reach)
-    way = end - start
-    normal = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+    normal = _side_normal(start, end)
     return np.array([start + height * normal, end + (height + slope) * normal])
 
 

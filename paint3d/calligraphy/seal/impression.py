@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from paint3d.core.arrays import AnyArray, dots_of, lengths_of
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, make_chart, unroll
+from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, lattice, make_chart, unroll
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.pores import even_exp
@@ -162,11 +162,10 @@ def find_impression(
 def _measure_touched(chart: SurfaceChart, stone: _Stone, pressing: Pressing) -> float:
     """How much of the stone's ink would meet the surface, 0 to 1, before that is refined."""
     reach = chart.reach
-    x, y = np.meshgrid(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach), indexing="ij")
-    lattice = np.stack([x.ravel(), y.ravel()], axis=1)
+    places = lattice(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach))
     soft = max(_EDGE * (2.0 * reach.max() / _ACROSS), _SOFT_MM)
-    share = np.clip(0.5 + 0.5 * stone.within(lattice) / soft, 0.0, 1.0)
-    firm = np.clip(_firmness(chart, lattice, pressing.pad_mm) / _FIRM, 0.0, 1.0)
+    share = np.clip(0.5 + 0.5 * stone.within(places) / soft, 0.0, 1.0)
+    firm = np.clip(_firmness(chart, places, pressing.pad_mm) / _FIRM, 0.0, 1.0)
     return float((share * firm).sum() / max(share.sum(), 1e-9))
 
 
@@ -186,8 +185,7 @@ def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> Non
     size = fields.cell_size
     reach = chart.reach
     counts = np.ceil(2.0 * reach / (0.5 * size)).astype(int) + 2
-    axes = [np.linspace(-r, r, n) for r, n in zip(reach, counts, strict=True)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    grid = lattice(*(np.linspace(-r, r, n) for r, n in zip(reach, counts, strict=True)))
     middles = fields.origin + (fields.cell_place + 0.5) * size
     near = cKDTree(chart.points(grid)).query(middles, distance_upper_bound=1.2 * size)[0]
     cells = np.flatnonzero(np.isfinite(near)).astype(np.int64)
