@@ -554,7 +554,7 @@ class TextPlace:
                 hint="where it lies on its side, --up says which axis of the file points up",
             )
 
-    def surface_ends(self) -> MeshError:
+    def surface_ends_error(self) -> MeshError:
         """Error for a text that goes on beyond the surface."""
         return MeshError(
             "{object}: the surface ends within the text", object=self.surface.mesh.name
@@ -754,7 +754,7 @@ class _Grid(TextPlace):
             line = lines[cell.across][0 if height >= 0.0 else 1]
             away = abs(height)
             if not line.reaches(away - _TOUCHING * self.em_mm):
-                raise self.surface_ends()
+                raise self.surface_ends_error()
             squares.append(self._square(line.at(away if line.reaches(away) else line.length)))
         return squares
 
@@ -765,7 +765,7 @@ class _Grid(TextPlace):
         else:
             level, distance = self.left, -across
         if not level.reaches(distance) and not level.closed:
-            raise self.surface_ends()
+            raise self.surface_ends_error()
         frame = self.frame(level.at(distance))
         up = self.walk(frame, (0.0, 1.0), max(top, 0.0))
         return up, self.walk(frame, (0.0, -1.0), max(-bottom, 0.0))

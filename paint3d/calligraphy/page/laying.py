@@ -186,7 +186,7 @@ class _Sheet(TextPlace):
             if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._length_across(
                 composer
             ):
-                self.too_small = self.too_small or self.surface_ends()
+                self.too_small = self.too_small or self.surface_ends_error()
                 continue
             following = composer.compose(length)
             if following is not page:
@@ -327,7 +327,7 @@ class _Sheet(TextPlace):
             level, x = self._level_line(round(y, 6), -1.0), -x
         too_wide = not in_ribbon and self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
         if too_wide if level.closed else x > level.length:
-            raise self.surface_ends()
+            raise self.surface_ends_error()
         frame = self.frame(level.at(x))
         box = piece.glyph.box
         size = self.scale * (box[2] - box[0]), self.scale * (box[3] - box[1])
@@ -339,7 +339,7 @@ class _Sheet(TextPlace):
         if (height, sign) not in self._levels:
             climb = self.climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
-                raise self.surface_ends()
+                raise self.surface_ends_error()
             frame = self.frame(climb.at(abs(height)))
             self._levels[height, sign] = self.walk(frame, (sign, 0.0))
         return self._levels[height, sign]
