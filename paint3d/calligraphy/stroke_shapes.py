@@ -24,8 +24,8 @@ from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
-from paint3d.core.arrays import AnyArray, cross_2d
-from paint3d.core.polyline import headings_of, interpolate, line_length, resample_to
+from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d, headings_of, interpolate, line_length, resample_to
 from paint3d.errors import InputError
 
 __all__ = [

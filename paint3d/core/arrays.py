@@ -15,7 +15,6 @@ __all__ = [
     "as_array",
     "as_number",
     "cross",
-    "cross_2d",
     "dots_of",
     "grown",
     "length_of",
@@ -132,12 +131,6 @@ def cross(u: AnyArray, v: AnyArray) -> AnyArray:
     out = np.empty((*np.shape(x), 3))
     out[..., 0], out[..., 1], out[..., 2] = x, y, z
     return out
-
-
-def cross_2d(u: AnyArray, v: AnyArray) -> AnyArray:
-    """Cross products (...) of vectors (..., 2): positive where v is to the left of u."""
-    product: AnyArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
-    return product
 
 
 def lengths_of(vectors: AnyArray) -> AnyArray:

@@ -13,6 +13,7 @@ from paint3d.core.arrays import AnyArray
 __all__ = [
     "arc_lengths",
     "bezier_points",
+    "cross_2d",
     "headings_of",
     "interpolate",
     "line_length",
@@ -67,6 +68,12 @@ def headings_of(ways: AnyArray) -> NDArray[np.float64]:
 def unit_vectors(angles: AnyArray) -> NDArray[np.float64]:
     """Unit vectors (N, 2) in directions (N,), rad."""
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def cross_2d(u: AnyArray, v: AnyArray) -> AnyArray:
+    """Cross products (...) of vectors (..., 2): positive where v is to the left of u."""
+    product: AnyArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    return product
 
 
 def signed_area(ring: AnyArray) -> float:

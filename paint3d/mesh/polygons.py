@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray, cross_2d
+from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d
 from paint3d.errors import MeshError
 
 __all__ = ["face_normals", "grid_faces", "triangulate"]

@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray, cross_2d
-from paint3d.core.polyline import unit_vectors
+from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d, unit_vectors
 from paint3d.errors import InputError
 from paint3d.mesh.sheets import Sheet, is_sheet, parse_sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray, cross_2d
+from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d
 from paint3d.errors import UnknownNameError
 from paint3d.mesh.sampling import sample_evenly
 from paint3d.mesh.triangle_mesh import TriangleMesh

@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.photo.ink_mask import otsu
 from paint3d.colour.spectra import decode_srgb
-from paint3d.core.arrays import AnyArray, cross_2d
+from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
