@@ -1,39 +1,86 @@
 """How much of a vertex's own small box a sweeping footprint covers, and for how long.
 
-Guo 2017 asks whether a vertex lies inside the outline. Here it is asked for how long: the vertex's
-distance to the moving outline is followed between the two stamps, and its share of the ink is the
-mean share of its box that was covered meanwhile. That closes the gaps between samples (Guo 2015,
-section 3.2), does not darken with the sampling rate, and draws edges finer than the vertices.
+Guo 2017 asks whether a vertex lies inside the outline. Here it is asked for how long: its share of
+the ink is the mean share of its box that was covered on the way between the two stamps. That closes
+the gaps between samples (Guo 2015, section 3.2), does not darken with the sampling rate, and draws
+edges finer than the vertices.
 
-Distances are in widths of the box, positive inside. Everything runs over blocks of vertices in
-single precision, loop by loop, so that the compiler can use vector instructions; only the look-up
-in the outline's profile and the packing of what is left over are done vertex by vertex.
+The footprints are cut into lines along the way, half a box apart. On each line an outline has a
+chord. From the stamp before to the stamp after its ends go evenly, so how long a box was behind
+each end, how long within both, and how much of it at the most are closed forms. One table of lines
+is made for a sweep, and every vertex looks its line up once, in vector instructions.
+
+Distances are in widths of the box, positive inside; x runs along the way and y across.
 """
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from paint3d.brush_engine.footprint import LAST_PLACE, PROFILE_CELLS, profile_cell
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.core.kernel import uncounted
 from paint3d.mesh.kernels.mesh_arrays import as_index
 
-__all__ = ["ROWS", "WORK_ROWS", "fetch", "weigh_block", "weigh_passing", "weighed_area"]
+__all__ = [
+    "BANDS",
+    "LEVELS",
+    "MOST_LINES",
+    "Chords",
+    "cut_outline",
+    "fetch",
+    "fill_chords",
+    "hold_within",
+    "make_chords",
+    "weigh",
+    "weighed_area",
+]
 
 _MIDDLE = 1.5 * 2.0**52  # whole numbers near to it are apart by one
-ROWS = 7  # float32 rows of a block's length: plane x, y and stretch of each vertex, and its
-# distances at the stamp before and at the stamp after, to the near side and to the far side
-WORK_ROWS = 14  # of the same, that `weigh_block` works in: rows 6 and 7 are share and cover
-_SLOW = np.float32(4.0)  # box widths: an edge that passes faster passes as good as straight
-_NEAR = 1.5  # times as far as the outline moved: distances beyond its ends are no true ones
+MOST_LINES = 1024  # a power of two
+_LEAST_LINES = 16
+_PITCH = 0.5  # box widths from line to line
+_NOWHERE = 1e30  # mm
+_NOTHING = np.float32(1e-5)  # share of a box
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
-_NOT, _WHOLE, _STRAIGHT, _SLOWLY = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(4)
-_NONE = np.uint64(0)  # of eight; and where each of eight is of a kind, as one number:
-_WHOLES = np.uint64(0x0101010101010101)
-_STRAIGHTS, _SLOW_ONES = np.uint64(2) * _WHOLES, np.uint64(4) * _WHOLES
+BANDS, LEVELS = 64, 7  # bands of neighbouring lines, and of these spans of 1, 2, 4 to 64
 _HALF = np.float32(0.5)
 _ONE = np.float32(1.0)
 _ZERO = np.float32(0.0)
+# Columns of the table: a number between a line and the next is first + rise x part. Where the
+# chord is entered and left at one stamp, mm; how steep the outline is there, box widths to the mm
+# along the way, and how many box widths farther ahead it is at the other stamp; for which share of
+# the way the box lies between the flanks, and how much of it there at that stamp and the other.
+_ENTERS, _ENTERS_RISE, _LEAVES, _LEAVES_RISE, _STEEP, _STEEP_OUT, _COMES, _GOES = range(8)
+_WITHIN, _WITHIN_RISE, _NOW, _NOW_RISE, _THEN, _THEN_RISE = range(8, 14)
+_ROW = 16
+
+
+class Chords(NamedTuple):
+    """Scratch of a sweep's table of lines; places along and across the way, mm."""
+
+    points: NDArray  # (2, 2, PROFILE_CELLS + 1, 2) float64, both sides of both stamps' outlines
+    flanks: NDArray  # (2, 4) float64, y and x of their lowest points, and of their highest
+    at: NDArray  # (2, MOST_LINES) float64, y of the middle of what of a box on each line lies
+    # between the flanks of both stamps
+    ends: NDArray  # (4, MOST_LINES) float64, where the chords of both stamps are entered and left
+    lines: NDArray  # (MOST_LINES * _ROW,) float32, the table
+    bands: NDArray  # (4, LEVELS * BANDS) float32: from where on a box may be covered on the way,
+    # and to where, and from where to where it is all covered all the time
+
+
+def make_chords() -> Chords:
+    """Scratch for the lines of a sweep."""
+    return Chords(
+        np.zeros((2, 2, PROFILE_CELLS + 1, 2)),
+        np.zeros((2, 4)),
+        np.zeros((2, MOST_LINES)),
+        np.zeros((4, MOST_LINES)),
+        np.zeros(MOST_LINES * _ROW, np.float32),
+        np.zeros((4, LEVELS * BANDS), np.float32),
+    )
 
 
 @uncounted(error_model="numpy", forceinline=True)
@@ -57,463 +104,305 @@ def _mean_covered(a, b):
     return _covered(_HALF * (a + b)) if still else mean
 
 
-@uncounted(error_model="numpy", apart=True)
-def _place_block(n, rows, stand, spots):
-    """Where vertices of the plane lie on a stamp's profile: rows of place (cells), side and beyond.
-
-    The profile is read at its nearer end beyond its ends, `beyond` is the way beyond; sides, with
-    their sign, and ways in mm. `stand` (6,) is how the outline stands: the turn that carries plane
-    coordinates to the stamp's own, (x - ox, y - oy) turned by (c, s), and where heel and tip are.
-    """
-    xs, ys = rows[0], rows[1]
-    places, sides, beyond = spots[0], spots[1], spots[2]
-    turn_x, turn_y, cosine, sine, heel, tip = stand
-    ox, oy = np.float32(turn_x), np.float32(turn_y)
-    c, s = np.float32(cosine), np.float32(sine)
-    first, last = np.float32(heel), np.float32(tip)
-    per_step = np.float32(PROFILE_CELLS / (tip - heel))
-    top = np.float32(LAST_PLACE)
-    for k in range(n):
-        u = xs[k] - ox
-        v = ys[k] - oy
-        x = c * u + s * v
-        places[k] = min(max((x - first) * per_step, _ZERO), top)
-        beyond[k] = max(_ZERO, max(first - x, x - last))
-        sides[k] = c * v - s * u
-
-
-@uncounted(error_model="numpy")
-def _after(sweep):
-    """How the outline stands at the end of the way."""
-    turn = sweep.to_after
-    return turn[0], turn[1], turn[2], turn[3], sweep.after_heel, sweep.after_tip
-
-
-@uncounted(error_model="numpy")
-def _before(sweep):
-    """How the outline stands at its beginning."""
-    turn = sweep.to_before
-    return turn[0], turn[1], turn[2], turn[3], sweep.before_heel, sweep.before_tip
-
-
-@uncounted(error_model="numpy")
-def _part_way(sweep, part):
-    """How it stands after so many parts of the way; after 0: half the way."""
-    row = sweep.between[part]
-    return row[0], row[1], row[2], row[3], row[4], row[5]
-
-
-@uncounted(error_model="numpy", apart=True)
-def _stamp_edges(n, spots, lines, scale, inner, far):
-    """Signed distances (box widths) to the near and to the far side of one stamp's outline."""
-    places, sides, beyond = spots[0], spots[1], spots[2]
-    starts, rises, steep = lines[0], lines[1], lines[2]
-    factor = np.float32(scale)
-    for k in range(n):
-        at = places[k]
-        i = profile_cell(at)
-        width, steepness = starts[i] + at * rises[i], steep[i]
-        side = abs(sides[k])
-        inner[k] = ((width - side) * steepness - beyond[k]) * factor
-        far[k] = ((width + side) * steepness - beyond[k]) * factor
-
-
-@uncounted(error_model="numpy", apart=True)
-def _way_edges(n, spots, sweep, back, inner, far):
-    """`_stamp_edges` for the outline a share `back` of the way before its end."""
-    places, sides, beyond = spots[0], spots[1], spots[2]
-    lines, before = sweep.after.lines, sweep.before.lines
-    starts, rises, steep = lines[0], lines[1], lines[2]
-    starts_before, rises_before, steep_before = before[0], before[1], before[2]
-    then = np.float32(back)
-    now = np.float32(1.0 - back)
-    factor = np.float32(sweep.values[0].scale)
-    for k in range(n):
-        at = places[k]
-        i = profile_cell(at)
-        width = now * (starts[i] + at * rises[i])
-        width += then * (starts_before[i] + at * rises_before[i])
-        steepness = now * steep[i] + then * steep_before[i]
-        side = abs(sides[k])
-        inner[k] = ((width - side) * steepness - beyond[k]) * factor
-        far[k] = ((width + side) * steepness - beyond[k]) * factor
-
-
-@uncounted(error_model="numpy", apart=True)
-def _pack(n, near, ids, rows, packed_ids, packed):
-    """Copy the columns `near` of rows, and their ids, to the front of the packed ones."""
-    for i in range(n):
-        packed_ids[i] = ids[as_index(near[i])]
-    for row in range(ROWS):
-        source = rows[row]
-        target = packed[row]
-        for i in range(n):
-            target[i] = source[as_index(near[i])]
-
-
-@uncounted(error_model="numpy", apart=True)
-def _find_crossings(n, spots, later, sweep, back, crossings):
-    """When in a part of the way the outline's middle line passes over vertices, and how deep.
-
-    A pointed end that goes to the side is over a vertex for a moment, which need be none of those
-    that are looked at. `spots` and `later` are where vertices lie at the beginning and at the end
-    of the part, which stand `back` (2,) of the way before its end. Rows of `crossings`: the share
-    of the part, 0 where it does not pass over, the distance (box widths) to the edge then, which is
-    as far to both sides, and the place on the profile, cells.
-    """
-    a, b, lines, before = spots, later, sweep.after.lines, sweep.before.lines
-    starts, rises, steep = lines[0], lines[1], lines[2]
-    starts_before, rises_before, steep_before = before[0], before[1], before[2]
-    values, when, peak, where = sweep.values[0], crossings[0], crossings[1], crossings[2]
-    length = 0.5 * (values.after_tip - values.after_heel + values.before_tip - values.before_heel)
-    per_step, step = np.float32(PROFILE_CELLS / length), np.float32(length / PROFILE_CELLS)
-    middle, top = np.float32(0.5 * PROFILE_CELLS), np.float32(LAST_PLACE)
-    first, each, factor = (
-        np.float32(back[0]),
-        np.float32(back[1] - back[0]),
-        np.float32(values.scale),
-    )
-    for k in range(n):
-        way = a[1, k] - b[1, k]
-        passes = a[1, k] * b[1, k] < _ZERO
-        t = a[1, k] / (way if passes else _ONE)
-        begin = a[0, k] + (a[2, k] if a[0, k] > middle else -a[2, k]) * per_step
-        end = b[0, k] + (b[2, k] if b[0, k] > middle else -b[2, k]) * per_step
-        at = begin + t * (end - begin)
-        place = min(max(at, _ZERO), top)
-        i = profile_cell(place)
-        then = first + t * each
-        now = _ONE - then
-        width = now * (starts[i] + place * rises[i])
-        width += then * (starts_before[i] + place * rises_before[i])
-        steepness = now * steep[i] + then * steep_before[i]
-        when[k] = t if passes else _ZERO
-        peak[k] = (width * steepness - abs(at - place) * step) * factor
-        where[k] = place
-
-
-@uncounted(error_model="numpy", apart=True)
-def _share_straight(n, a, b, share):
-    """Mean share covered of vertices that the edge passes evenly, between two distances."""
-    for k in range(n):
-        share[k] = _mean_covered(a[k], b[k])
-
-
-@uncounted(error_model="numpy", apart=True)
-def _add_part(n, when, peak, inner, far, last, share, cover):
-    """Add what a part of the way covers to the sum of shares, and to the greatest.
-
-    Of each vertex: its distance (box widths) at the part's beginning, `last`, which goes on to its
-    end, there to both sides, and when and how deep it was passed over meanwhile.
-    """
-    for k in range(n):
-        t, deep, a, b = when[k], peak[k], last[k], inner[k]  # read, used or not: no branch
-        top = deep if t > _ZERO else a
-        share[k] += t * _mean_covered(a, top) + (_ONE - t) * _mean_covered(top, b)
-        seen = _covered(b) + _covered(far[k]) - _ONE
-        passed = _covered(top) + _covered(top) - _ONE
-        cover[k] = max(cover[k], max(seen, passed if t > _ZERO else _ZERO))
-        last[k] = b
-
-
-@uncounted(error_model="numpy")
-def _follow(n, sweep, rows, work):
-    """Mean share covered, and the greatest, of vertices that the edge passes on a curve."""
-    a, b, values = rows[3], rows[4], sweep.values[0]
-    last, inner, far, spots, later = work[0], work[1], work[2], work[3:6], work[8:11]
-    share, cover, when, peak = work[6], work[7], work[11], work[12]
-    parts = int(values.parts)
-    each = np.float32(1.0 / parts)
-    _place_block(n, rows, _before(values), spots)
-    for k in range(n):
-        last[k] = a[k]
-        share[k] = _ZERO
-    for part in range(1, parts + 1):
-        if part < parts:
-            _place_block(n, rows, _part_way(sweep, part), later)
-            _way_edges(n, later, sweep, 1.0 - part / parts, inner, far)
-        else:
-            _place_block(n, rows, _after(values), later)
-            for k in range(n):
-                inner[k], far[k] = b[k], -_HALF  # the greatest share knows the end already
-        back = 1.0 - (part - 1) / parts, 1.0 - part / parts
-        _find_crossings(n, spots, later, sweep, back, work[11:14])
-        _add_part(n, when, peak, inner, far, last, share, cover)
-        spots, later = later, spots
-    for k in range(n):
-        share[k] *= each
-
-
-@uncounted(error_model="numpy")
-def _drop_far(n, sweep, rows, work, near, kept_ones):
-    """List which of those `near` the outline can reach on its way, by where it is half the way.
-
-    The rows are theirs, packed.
-    """
-    inner, far, spots = work[0], work[1], work[2:5]
-    a, b = rows[3], rows[4]
-    _place_block(n, rows, _part_way(sweep, 0), spots)
-    _way_edges(n, spots, sweep, 0.5, inner, far)
-    rise = np.float32(0.5 * sweep.values[0].end_rise)
-    kept = 0
-    for k in range(n):
-        kept_ones[kept] = near[k]
-        kept += np.int64(max(max(a[k], b[k]), inner[k] + rise) > -_HALF)
-    return kept
-
-
-@uncounted(error_model="numpy")
-def _append(n, block, found, at):
-    """Append the packed vertices with a share to those found; return how many these are then."""
-    ids, stretch = block.packed_ids, block.packed[2]
-    share, cover = block.work[6], block.work[7]
-    out_ids, out_share, out_cover = found.ids, found.share, found.cover
-    for k in range(n):
-        out_ids[at] = ids[k]
-        out_share[at] = share[k] * stretch[k]
-        out_cover[at] = cover[k]
-        at += np.int64(cover[k] > _ZERO)
-    return at
-
-
-@uncounted(error_model="numpy", apart=True)
-def _stamp_cover(n, rows, cover):
-    """Greatest share covered at the two stamps: whole where the middle of the box ever was."""
-    a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
-    for k in range(n):
-        now = _covered(b[k]) + _covered(far_b[k]) - _ONE
-        then = _covered(a[k]) + _covered(far_a[k]) - _ONE
-        cover[k] = _ONE if max(a[k], b[k]) >= _HALF else max(now, then)
-
-
 @uncounted(error_model="numpy", forceinline=True)
-def _measure(n, sweep, block):
-    """Fill the vertices' distances at both stamps; those at one that does not touch are no others.
+def _most_covered(a, b, c, d, first, last):
+    """Greatest share of the box between two edges whose distances go from a to b, and c to d.
 
-    The first row of work keeps their places on the stamp that the brush comes from, if it touches.
+    Of all of it there are shares that go from `first` to `last`.
     """
-    rows, spots, values = block.rows, block.work[0:3], sweep.values[0]
-    a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
-    now, then, scale = values.after_touches, values.before_touches, values.scale
-    if now > 0.0:
-        _place_block(n, rows, _after(values), spots)
-        _stamp_edges(n, spots, sweep.after.lines, scale, b, far_b)
-    if then > 0.0:
-        _place_block(n, rows, _before(values), spots)
-        _stamp_edges(n, spots, sweep.before.lines, scale, a, far_a)
-    if now <= 0.0:
-        for k in range(n):
-            b[k] = a[k]
-            far_b[k] = far_a[k]
-    elif then <= 0.0:
-        for k in range(n):
-            a[k] = b[k]
-            far_a[k] = far_b[k]
+    before, after = a - c, b - d
+    passes = before * after < _ZERO
+    part = before / (before - after if passes else _ONE)
+    deep = _covered(a + part * (b - a))
+    middle = (first + part * (last - first)) * (deep + deep - _ONE) if passes else _ZERO
+    begin = first * (_covered(a) + _covered(c) - _ONE)
+    end = last * (_covered(b) + _covered(d) - _ONE)
+    return max(max(_ZERO, middle), max(begin, end))
 
 
-@uncounted(error_model="numpy", forceinline=True)
-def _judge(n, sweep, block):
-    """Tell which vertices the sweep covers whole, which not, and which its edge passes, and how."""
-    a, b, places, kinds = block.rows[3], block.rows[4], block.work[0], block.kinds
-    curved = sweep.parts > 1.0
-    least = np.float32(-0.5 - sweep.rise)
-    least_at_end = np.float32(-0.5 - sweep.end_rise)
-    begin, end = np.float32(sweep.ends[0]), np.float32(PROFILE_CELLS - sweep.ends[1])
+@uncounted(error_model="numpy")
+def _lay_outline(stamp, turn, points, flanks):
+    """Lay a stamp's outline along its way; `turn` is from there to the stamp's own coordinates."""
+    values, widths = stamp.values[0], stamp.half_widths
+    ox, oy, c, s = turn[0], turn[1], turn[2], turn[3]
+    step = (values.tip - values.heel) / PROFILE_CELLS
+    flanks[0], flanks[2] = _NOWHERE, -_NOWHERE
+    for i in range(PROFILE_CELLS + 1):
+        along = values.heel + i * step
+        for side in range(2):
+            across = widths[i] if side == 0 else -widths[i]
+            x, y = ox + c * along - s * across, oy + s * along + c * across
+            points[side, i, 0], points[side, i, 1] = x, y
+            if y < flanks[0]:
+                flanks[0], flanks[1] = y, x
+            if y > flanks[2]:
+                flanks[2], flanks[3] = y, x
+
+
+@uncounted(error_model="numpy")
+def cut_outline(points, at, n, per_mm, enters, leaves):
+    """Where lines along the way enter and leave an outline, mm; one that passes it by, never.
+
+    Parameters
+    ----------
+    points : (2, PROFILE_CELLS + 1, 2) float64
+    at : (n or more,) float64
+        y of the lines, rising.
+    n : int
+    per_mm : float
+        About how many there are to the mm.
+    enters, leaves : (n or more,) float64
+        Filled.
+    """
     for k in range(n):
-        low, high = min(a[k], b[k]), max(a[k], b[k])
-        at_end = (places[k] > end) | (places[k] < begin)
-        reached = (high > least) | (at_end & (high > least_at_end))
-        bent = curved & ((high < _HALF) | (high - low < _SLOW))
-        kind = _SLOWLY if bent else _STRAIGHT
-        kind = _WHOLE if low >= _HALF else kind
-        kinds[k] = kind if reached else _NOT
-    kinds[n : 8 * ((n + 7) // 8)] = _NOT
+        enters[k], leaves[k] = _NOWHERE, -_NOWHERE
+    for side in range(2):
+        for i in range(PROFILE_CELLS):
+            xa, ya = points[side, i, 0], points[side, i, 1]
+            xb, yb = points[side, i + 1, 0], points[side, i + 1, 1]
+            if ya > yb:
+                xa, ya, xb, yb = xb, yb, xa, ya
+            k = min(n, max(0, int((ya - at[0]) * per_mm)))
+            while k > 0 and at[k - 1] >= ya:
+                k -= 1
+            while k < n and at[k] < ya:
+                k += 1
+            slope = (xb - xa) / (yb - ya) if yb > ya else 0.0
+            while k < n and at[k] <= yb:
+                x = xa + (at[k] - ya) * slope
+                enters[k], leaves[k] = min(enters[k], x), max(leaves[k], x)
+                k += 1
 
 
-@uncounted(error_model="numpy", forceinline=True)
-def _sort(n, block, found, at):
-    """Append the vertices that are covered whole, and list the others by kind.
+@uncounted(error_model="numpy")
+def fill_chords(before, after, sweep, chords):
+    """Make the table of a sweep's lines, and bands of them for judging many vertices at once.
 
-    Returns how many have been found then, and how many the edge passes straight, and slowly.
+    Parameters
+    ----------
+    before, after : Stamp
+        Where the way begins and ends; the same twice for a footprint that comes or goes.
+    sweep : record of SWEEP
+        Its turns and scale are filled; its lines are.
+    chords : Chords
+        Filled.
     """
-    ids, stretch, kinds, eights = block.ids, block.rows[2], block.kinds, block.eights
-    straight_ones, slow_ones = block.near[0], block.near[1]
-    out_ids, out_share, out_cover = found.ids, found.share, found.cover
-    straight, slow = 0, 0
-    for g in range((n + 7) // 8):
-        eight = eights[g]
-        if eight == _NONE:
+    points, flanks, at, ends = chords.points, chords.flanks, chords.at, chords.ends
+    _lay_outline(before, sweep.to_before, points[0], flanks[0])
+    _lay_outline(after, sweep.to_after, points[1], flanks[1])
+    low, high = min(flanks[0, 0], flanks[1, 0]), max(flanks[0, 2], flanks[1, 2])
+    half = 0.5 / sweep.scale
+    extent = high - low + 2.0 * half
+    n = int(np.ceil(extent * sweep.scale / _PITCH))
+    n = max(_LEAST_LINES, min(MOST_LINES - 2, n))
+    apart = extent / n
+    n += 1  # steps: in the last, nothing is covered
+    sweep.first, sweep.per_mm, sweep.lines = low - half, 1.0 / apart, n
+    for stamp in range(2):
+        for k in range(n + 1):
+            y = sweep.first + k * apart
+            at[stamp, k] = 0.5 * (max(y - half, flanks[stamp, 0]) + min(y + half, flanks[stamp, 2]))
+        enters, leaves = ends[2 * stamp], ends[2 * stamp + 1]
+        cut_outline(points[stamp], at[stamp], n + 1, 1.0 / apart, enters, leaves)
+    _begin_at_flanks(n + 1, apart, sweep.first, flanks, ends)
+    _grow_evenly(n + 1, ends)
+    _fill_lines(n, apart, sweep, chords)
+    _fill_bands(n, chords)
+
+
+@uncounted(error_model="numpy")
+def _begin_at_flanks(n, apart, first, flanks, ends):
+    """Let chords that only one stamp has grow from where the other's flank comes over their lines.
+
+    How long that takes is no matter of theirs: the table says for how long they are there.
+    """
+    middle = 0.25 * (flanks[0, 0] + flanks[0, 2] + flanks[1, 0] + flanks[1, 2])
+    for k in range(n):
+        at = first + k * apart
+        side = 0 if at < middle else 2
+        y, y_end = flanks[0, side], flanks[1, side]
+        x, x_end = flanks[0, side + 1], flanks[1, side + 1]
+        t = (at - y) / (y_end - y) if y != y_end else 0.0
+        here = x + min(1.0, max(0.0, t)) * (x_end - x)
+        for stamp in range(0, 4, 2):
+            if ends[stamp, k] > ends[stamp + 1, k]:
+                ends[stamp, k] = ends[stamp + 1, k] = here
+
+
+@uncounted(error_model="numpy")
+def _grow_evenly(n, ends):
+    """Lengthen the shorter of a line's two chords, so that growing evenly it is as long on average.
+
+    Where a flank comes over a line its chord grows like a root: of its length's square evenly.
+    """
+    for k in range(n):
+        a, b, c, d = ends[0, k], ends[1, k], ends[2, k], ends[3, k]
+        shorter, longer = (0, 2) if b - a < d - c else (2, 0)
+        begin, end = ends[longer, k], ends[longer + 1, k]
+        inner_begin, inner_end = ends[shorter, k], ends[shorter + 1, k]
+        most, least = end - begin, inner_end - inner_begin
+        if most <= least:
             continue
-        first = 8 * g
-        if eight == _WHOLES:
-            for k in range(8):
-                out_ids[at + k] = ids[first + k]
-                out_share[at + k] = stretch[first + k]
-                out_cover[at + k] = _ONE
-            at += 8
-            continue
-        last = min(n, first + 8)  # no branch for one: what comes cannot be foretold
-        if eight & _WHOLES != _NONE:
-            for k in range(first, last):
-                out_ids[at] = ids[k]
-                out_share[at] = stretch[k]
-                out_cover[at] = _ONE
-                at += np.int64(kinds[k] == _WHOLE)
-        if eight & _STRAIGHTS != _NONE:
-            for k in range(first, last):
-                straight_ones[straight] = k
-                straight += np.int64(kinds[k] == _STRAIGHT)
-        if eight & _SLOW_ONES != _NONE:
-            for k in range(first, last):
-                slow_ones[slow] = k
-                slow += np.int64(kinds[k] == _SLOWLY)
-    return at, straight, slow
+        mean = 2.0 / 3.0 * (most * most + most * least + least * least) / (most + least)
+        grown = 0.5 * (2.0 * mean - most - least)
+        ends[shorter, k] = max(inner_begin - grown, min(inner_begin, begin))
+        ends[shorter + 1, k] = min(inner_end + grown, max(inner_end, end))
 
 
-@uncounted(error_model="numpy", forceinline=True)
-def weigh_block(n, sweep, block, found, at):
-    """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
+@uncounted(error_model="numpy")
+def _fill_lines(n, apart, sweep, chords):
+    """Fill the table from where n + 1 lines are entered and left.
+
+    As time may run either way, it is told from the stamp after, or from the one before where the
+    chord is longer there.
+    """
+    at, ends, lines, flanks = chords.at, chords.ends, chords.lines, chords.flanks
+    scale = sweep.scale
+    last_within, last_first, last_last = _ZERO, _ZERO, _ZERO
+    for k in range(n + 1):
+        y = sweep.first + k * apart
+        a, b = np.float32((y - flanks[0, 0]) * scale), np.float32((y - flanks[1, 0]) * scale)
+        c, d = np.float32((flanks[0, 2] - y) * scale), np.float32((flanks[1, 2] - y) * scale)
+        within = max(_ZERO, _mean_covered(a, b) + _mean_covered(c, d) - _ONE)
+        within = within if within > _NOTHING else _ZERO
+        first = max(_ZERO, _covered(a) + _covered(c) - _ONE)
+        last = max(_ZERO, _covered(b) + _covered(d) - _ONE)
+        if min(first, last) <= _ZERO:  # it comes to the line, and is all there at once
+            first = last = max(first, last)
+        if within <= _ZERO:
+            first = last = _ZERO
+        if k > 0:
+            j, row = k - 1, (k - 1) * _ROW
+            longer = ends[1, j] + ends[1, k] - ends[0, j] - ends[0, k]
+            longer -= ends[3, j] + ends[3, k] - ends[2, j] - ends[2, k]
+            base = 0 if longer * scale > 0.5 else 2
+            dy = at[base // 2, k] - at[base // 2, j]
+            for end in range(2):
+                then, now, column = ends[2 - base + end], ends[base + end], 2 * end
+                rise = now[k] - now[j]
+                slope = rise / dy if dy > 0.0 else 0.0
+                # across what of the box lies between the flanks
+                slope *= 0.5 * (max(last_first, last_last) + max(first, last))
+                steep = scale / np.sqrt(1.0 + slope * slope)
+                lines[row + column] = now[j]
+                lines[row + column + 1] = rise
+                lines[row + _STEEP + end] = steep
+                lines[row + _COMES + end] = 0.5 * (then[j] + then[k] - now[j] - now[k]) * steep
+            lines[row + _WITHIN] = last_within
+            lines[row + _WITHIN_RISE] = within - last_within
+            here, other = (_NOW, _THEN) if base == 2 else (_THEN, _NOW)
+            lines[row + here] = last_last
+            lines[row + here + 1] = last - last_last
+            lines[row + other] = last_first
+            lines[row + other + 1] = first - last_first
+        last_within, last_first, last_last = within, first, last
+
+
+@uncounted(error_model="numpy")
+def _fill_bands(n, chords):
+    """Fill the bands from the table, and spans of two, four to all of them."""
+    lines, bands = chords.lines, chords.bands
+    bands[0], bands[1], bands[2], bands[3] = _NOWHERE, -_NOWHERE, -_NOWHERE, _NOWHERE
+    for j in range(n):
+        row = j * _ROW
+        steep, steep_out = lines[row + _STEEP], lines[row + _STEEP_OUT]
+        comes, goes = lines[row + _COMES] / steep, lines[row + _GOES] / steep_out
+        least, most, whole_from, whole_to = _NOWHERE, -_NOWHERE, -_NOWHERE, _NOWHERE
+        for part in range(2):
+            enters = lines[row + _ENTERS] + part * lines[row + _ENTERS_RISE]
+            leaves = lines[row + _LEAVES] + part * lines[row + _LEAVES_RISE]
+            least = min(least, enters + min(0.0, comes) - 0.5 / steep)
+            most = max(most, leaves + max(0.0, goes) + 0.5 / steep_out)
+            whole_from = max(whole_from, enters + max(0.0, comes) + 0.5 / steep)
+            whole_to = min(whole_to, leaves + min(0.0, goes) - 0.5 / steep_out)
+        within = lines[row + _WITHIN]
+        if min(within, within + lines[row + _WITHIN_RISE]) < 0.99999:
+            whole_from, whole_to = _NOWHERE, -_NOWHERE
+        for band in range(j * BANDS // n, ((j + 1) * BANDS - 1) // n + 1):
+            bands[0, band] = min(bands[0, band], least)
+            bands[1, band] = max(bands[1, band], most)
+            bands[2, band] = max(bands[2, band], whole_from)
+            bands[3, band] = min(bands[3, band], whole_to)
+    for level in range(1, LEVELS):
+        apart, here, below = 1 << (level - 1), level * BANDS, (level - 1) * BANDS
+        for band in range(BANDS):
+            other = min(band + apart, BANDS - 1)
+            bands[0, here + band] = min(bands[0, below + band], bands[0, below + other])
+            bands[1, here + band] = max(bands[1, below + band], bands[1, below + other])
+            bands[2, here + band] = max(bands[2, below + band], bands[2, below + other])
+            bands[3, here + band] = min(bands[3, below + band], bands[3, below + other])
+
+
+@uncounted(error_model="numpy", apart=True)
+def weigh(n, sweep, lines, xs, ys, stretch, share, cover):
+    """Time-mean share for the ink, and greatest share covered, of vertices.
 
     The share is w of docs/model.md, equation (9).
 
     Parameters
     ----------
     n : int
-        Vertices in the block.
-    sweep : Sweep
-    block : Block
-        With their ids, and the first three of `rows`; the rest is filled, and worked in.
-    found : Found
-        Vertices with a share are appended.
-    at : int
-        How many there are already.
-
-    Returns
-    -------
-    int
-        How many there are then.
+    sweep : record of SWEEP
+    lines : (MOST_LINES * _ROW,) float32
+        Of `fill_chords`.
+    xs, ys, stretch : (n or more,) float32
+        Where vertices lie along the way and across, mm, and how many times their area the plane's
+        is.
+    share, cover : (n or more,) float32
+        Filled.
     """
-    ids, rows, packed, work = block.ids, block.rows, block.packed, block.work
-    straight_ones, slow_ones = block.near[0], block.near[1]
-    share, cover = work[6], work[7]
-    _measure(n, sweep, block)
-    _judge(n, sweep.values[0], block)
-    at, straight, slow = _sort(n, block, found, at)
-    _pack(straight, straight_ones, ids, rows, block.packed_ids, packed)
-    _stamp_cover(straight, packed, cover)
-    _share_straight(straight, packed[3], packed[4], share)
-    at = _append(straight, block, found, at)
-    if slow == 0:
-        return at
-    _pack(slow, slow_ones, ids, rows, block.packed_ids, packed)
-    left = _drop_far(slow, sweep, packed, work, slow_ones, straight_ones)
-    _pack(left, straight_ones, ids, rows, block.packed_ids, packed)
-    _stamp_cover(left, packed, cover)
-    _follow(left, sweep, packed, work)
-    return _append(left, block, found, at)
+    first, per_mm = np.float32(sweep.first), np.float32(sweep.per_mm)
+    last = np.float32(sweep.lines - 1e-3)
+    row, mask = np.uint32(_ROW), np.uint32(MOST_LINES - 1)
+    for k in range(n):
+        x = xs[k]
+        at = min(max((ys[k] - first) * per_mm, _ZERO), last)
+        line = np.int32(at)
+        i, part = (np.uint32(line) & mask) * row, at - np.float32(line)
+        steep, steep_out = lines[i + np.uint32(_STEEP)], lines[i + np.uint32(_STEEP_OUT)]
+        enters = lines[i + np.uint32(_ENTERS)] + part * lines[i + np.uint32(_ENTERS_RISE)]
+        leaves = lines[i + np.uint32(_LEAVES)] + part * lines[i + np.uint32(_LEAVES_RISE)]
+        b, d = (x - enters) * steep, (leaves - x) * steep_out
+        a, c = b - lines[i + np.uint32(_COMES)], d + lines[i + np.uint32(_GOES)]
+        mean = max(_ZERO, _mean_covered(a, b) + _mean_covered(c, d) - _ONE)
+        within = lines[i + np.uint32(_WITHIN)] + part * lines[i + np.uint32(_WITHIN_RISE)]
+        share[k] = within * mean * stretch[k]
+        then = lines[i + np.uint32(_THEN)] + part * lines[i + np.uint32(_THEN_RISE)]
+        now = lines[i + np.uint32(_NOW)] + part * lines[i + np.uint32(_NOW_RISE)]
+        cover[k] = _most_covered(a, b, c, d, then, now)
 
 
 @uncounted(error_model="numpy")
-def _find_deepest(n, sweep, rows, work):
-    """Where on the outline vertices lie that its end no longer covers: when they lay deepest.
-
-    The first two of `rows` become their places in the plane on the outline at the end of the way
-    that was over them then; the others stay where they are.
-    """
-    a, b, values = rows[3], rows[4], sweep.values[0]
-    spots, when, peak, where = work[3:6], work[11], work[12], work[13]
-    heel, length = np.float32(values.after_heel), values.after_tip - values.after_heel
-    step = np.float32(length / PROFILE_CELLS)
+def hold_within(n, sweep, flanks, lines, xs, ys):
+    """Move vertices that the footprint has passed to where they lay on its edge last."""
+    first, per_mm = np.float32(sweep.first), np.float32(sweep.per_mm)
+    last, half = np.float32(sweep.lines - 1e-3), np.float32(0.5 / sweep.scale)
+    low, high = np.float32(flanks[0]) - half, np.float32(flanks[2]) + half
+    row, mask = np.uint32(_ROW), np.uint32(MOST_LINES - 1)
     for k in range(n):
-        crosses = (when[k] > _ZERO) & (peak[k] > a[k])
-        place = where[k] if crosses else spots[0, k]
-        side = _ZERO if crosses else spots[1, k]
-        here = b[k] > -_HALF
-        rows[0, k] = rows[0, k] if here else heel + place * step
-        rows[1, k] = rows[1, k] if here else side
-
-
-@uncounted(error_model="numpy")
-def _weigh_near(n, sweep, rows, work):
-    """Mean share covered, and the greatest, of packed vertices that the edge may pass.
-
-    Their distances at the end of the way are known.
-    """
-    a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
-    spots, later, when, peak = work[3:6], work[8:11], work[11], work[12]
-    share, cover, values = work[6], work[7], sweep.values[0]
-    if values.before_touches > 0.0:
-        _place_block(n, rows, _after(values), later)
-        _place_block(n, rows, _before(values), spots)
-        _stamp_edges(n, spots, sweep.before.lines, values.scale, a, far_a)
-        _find_crossings(n, spots, later, sweep, (1.0, 0.0), work[11:14])
-    else:
-        for k in range(n):
-            a[k], far_a[k], when[k] = b[k], far_b[k], _ZERO
-    _stamp_cover(n, rows, cover)
-    for k in range(n):
-        t = when[k]
-        top = peak[k] if t > _ZERO else a[k]
-        share[k] = t * _mean_covered(a[k], top) + (_ONE - t) * _mean_covered(top, b[k])
-        passed = _covered(top) + _covered(top) - _ONE if t > _ZERO else _ZERO
-        cover[k] = max(cover[k], passed)
-    _find_deepest(n, sweep, rows, work)
-
-
-@uncounted(error_model="numpy")
-def weigh_passing(n, sweep, moved, block):
-    """Mean share covered on a way that is no longer than the vertices lie apart.
-
-    Of the vertices of a block; those with one are packed.
-
-    Parameters
-    ----------
-    n : int
-    sweep : Sweep
-        Its end touches; where its beginning does not, it is all end.
-    moved : float
-        How far the fastest of the outline's points moved, mm.
-    block : Block
-        With the vertices' ids, and the first three of `rows`. Filled are `packed_ids` with those
-        that have a share, and of `packed` their place on the outline at its end (plane x and y),
-        share for the ink, and greatest share covered.
-
-    Returns
-    -------
-    int
-        How many there are.
-    """
-    rows, work, values = block.rows, block.work, sweep.values[0]
-    near, whole, share, cover = block.near[0], block.near[1], work[6], work[7]
-    b, far_b = rows[4], rows[6]
-    _place_block(n, rows, _after(values), work[8:11])
-    _stamp_edges(n, work[8:11], sweep.after.lines, values.scale, b, far_b)
-    reach = np.float32(0.5 + _NEAR * moved * values.scale)
-    n_near, n_whole = 0, 0
-    for k in range(n):
-        near[n_near], whole[n_whole] = k, k
-        n_near += np.int64((b[k] > -reach) & (b[k] < reach))
-        n_whole += np.int64(b[k] >= reach)
-    packed_ids, packed = block.packed_ids, block.packed
-    _pack(n_near, near, block.ids, rows, packed_ids, packed)
-    _weigh_near(n_near, sweep, packed, work)
-    xs, ys, stretch, shares, covers = packed[0], packed[1], packed[2], packed[2], packed[3]
-    kept = 0
-    for k in range(n_near):
-        packed_ids[kept], xs[kept], ys[kept] = packed_ids[k], xs[k], ys[k]
-        shares[kept], covers[kept] = share[k] * stretch[k], cover[k]
-        kept += np.int64(cover[k] > _ZERO)
-    for i in range(n_whole):
-        k = np.uint32(whole[i])
-        packed_ids[kept + i], xs[kept + i], ys[kept + i] = block.ids[k], rows[0, k], rows[1, k]
-        shares[kept + i], covers[kept + i] = rows[2, k], _ONE
-    return kept + n_whole
+        at = min(max((ys[k] - first) * per_mm, _ZERO), last)
+        line = np.int32(at)
+        i, part = (np.uint32(line) & mask) * row, at - np.float32(line)
+        enters = lines[i + np.uint32(_ENTERS)] + part * lines[i + np.uint32(_ENTERS_RISE)]
+        leaves = lines[i + np.uint32(_LEAVES)] + part * lines[i + np.uint32(_LEAVES_RISE)]
+        xs[k] = min(max(xs[k], enters - half), leaves + half)
+        ys[k] = min(max(ys[k], low), high)
 
 
 @uncounted(error_model="numpy", apart=True)
-def fetch(n, ids, values, out):
-    """Fill the values that vertices have; `values` holds those of all."""
-    for k in range(n):
+def fetch(runs, n_runs, ids, n, values, out):
+    """Fill the values that vertices found have; `values` holds those of all.
+
+    `runs` (n_runs or more, 2) and `ids` (n or more,) are those of `Found`.
+    """
+    at = 0
+    for r in range(n_runs):
+        first, many = runs[r, 0], runs[r, 1]
+        source, target = values[first : first + many], out[at : at + many]
+        for k in range(many):
+            target[k] = source[k]
+        at += many
+    for k in range(at, n):
         out[k] = values[as_index(ids[k])]
 
 
