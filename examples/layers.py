@@ -16,7 +16,7 @@ layers.add("seal", place=1)  # painted on from now on
 painter.dip("cinnabar")
 painter.stroke([(0, -30, 0), (0, 30, 0)], pressure=(0.3, 0.6, 0.3))
 for visible in (True, False):
-    layers.describe(1, visible=visible)
+    layers.set_properties(1, visible=visible)
     surface.touch(layers.painted_ids())
     name = out / f"seal_{'shown' if visible else 'hidden'}.glb"
     paint3d.export(surface, name)

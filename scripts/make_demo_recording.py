@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.layout import Layout, layout_text
-from paint3d.calligraphy.writing import Pen, write_text
+from paint3d.calligraphy.writing import WritingSettings, write_text
 from paint3d.core.quaternion import (
     multiply_quaternions,
     quaternions_from_matrices,
@@ -75,13 +75,13 @@ def main(arguments: list[str] | None = None) -> int:
 def make_recording(glyphs: Path) -> Recording:
     """Write the text down the bowl with the right hand, and let the left hand hold the bowl."""
     mesh = load_mesh(OBJECT)
-    pen = Pen(load_brush(choose_brush(EM_MM)), EM_MM)
+    settings = WritingSettings(load_brush(choose_brush(EM_MM)), EM_MM)
     header = {
         "devices": {"right": "planned, 250 Hz", "left": "planned, 250 Hz"},
         "ink": INK,
         "licence": LICENCE,
     }
-    right = write_text(mesh, TEXT, open_glyphs(glyphs), pen, LAYOUT, header=header).recording
+    right = write_text(mesh, TEXT, open_glyphs(glyphs), settings, LAYOUT, header=header).recording
     placed = layout_text(ClosestPoints(mesh), TEXT, EM_MM, LAYOUT)
     frames = [character.square.chart.frame for character in placed]
     time_s = 1e-9 * right.time_ns

@@ -32,6 +32,8 @@ _FIRST = (
     "calligraphy/test_photographs.py",
     "app/test_own_objects.py",
     "app/test_pen_marks.py",
+    "calligraphy/test_composition.py",
+    "docs/test_front_door.py",
     "e2e/test_painting.py",
     "app/test_styli.py",
     "app/test_score.py",
@@ -61,6 +63,7 @@ _FIRST = (
 )
 pytest_plugins = (
     "tests.support.plugged",
+    "tests.support.less_work",
     "tests.support.lights",
     "tests.support.found_sheets",
     "tests.support.fonts",

@@ -178,7 +178,7 @@ def test_ctrl_c_ends_all_whatever_uv_answers_to_it(tmp_path: Path, answer: str) 
         time.sleep(0.01)
     os.killpg(begun.pid, signal.SIGINT)
     try:
-        begun.communicate(timeout=60.0)  # to the last process that could say something
+        begun.communicate(timeout=300.0)  # to the last process that could say something
     finally:
         with contextlib.suppress(ProcessLookupError):
             os.killpg(begun.pid, signal.SIGKILL)

@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 
 from paint3d.brush.spec import BrushSpec
-from paint3d.calligraphy.dips import dipped_as
-from paint3d.calligraphy.flying_white import inked_as
+from paint3d.calligraphy.dips import apply_dip_option
+from paint3d.calligraphy.flying_white import with_ink
 from paint3d.calligraphy.layout import Layout
-from paint3d.calligraphy.writing import Pen, Written, write_page, write_text
+from paint3d.calligraphy.writing import WritingSettings, Written, write_page, write_text
 from paint3d.errors import InputError, MeshError, Paint3DError
 from paint3d.painter.painter import Ink
 from paint3d.painter.painter import Painter as StrokePainter
@@ -117,7 +117,7 @@ class Painter(StrokePainter):
 
             style = Style({}, None, None)
             page = set_text(text, open_font(os.fspath(font), 0, None), style, None, layout)
-            plan = partial(write_page, text=page)
+            plan = partial(write_page, composer=page)
         else:
             source = open_glyphs(folder)
             whole = None
@@ -126,7 +126,7 @@ class Painter(StrokePainter):
                 source = with_fallback(source, text) if whole is None else source
             plan = partial(write_text, text=text, source=source)
             if whole is not None:
-                plan = partial(write_page, text=whole)
+                plan = partial(write_page, composer=whole)
         where = Layout(layout or "columns", at, around, side)
         return self._write(plan, where, size, brush, dip, wet, progress)
 
@@ -161,7 +161,7 @@ class Painter(StrokePainter):
         """
         from paint3d.calligraphy.page.svg_drawing import load_svg
 
-        plan = partial(write_page, text=load_svg(Path(svg), tuple(ids)))
+        plan = partial(write_page, composer=load_svg(Path(svg), tuple(ids)))
         return self._write(plan, Layout(at=at, side=side), size, brush, "always", wet, progress)
 
     def copy(
@@ -232,7 +232,7 @@ class Painter(StrokePainter):
 
             return rehearsed(written, on_trial, surface.material, rehearsals, sheet)
 
-        plan = partial(write_page, text=sheet.page)
+        plan = partial(write_page, composer=sheet.page)
         layout = Layout(at=at, side=side)
         return self._write(plan, layout, size, None, "always", wet, progress, correct)
 
@@ -341,8 +341,13 @@ class Painter(StrokePainter):
         """Plan what is written for the brush in hand, and paint it."""
         self._take(brush)
         header = {"brush": self.brush.name, "ink": self.ink.name}
-        written = plan(self.surface.source, pen=Pen(self.brush, size), layout=layout, header=header)
-        written = replace(written, recording=dipped_as(written.recording, self.brush, dip))
+        written = plan(
+            self.surface.source,
+            settings=WritingSettings(self.brush, size),
+            layout=layout,
+            header=header,
+        )
+        written = replace(written, recording=apply_dip_option(written.recording, self.brush, dip))
         if correct is not None:
             written = correct(written)
         recording = _inked(written, self.surface)
@@ -352,4 +357,4 @@ class Painter(StrokePainter):
 
 def _inked(written: Written, surface: PaintedSurface) -> Recording:
     """The recording of a plan, as dry and as pale as it asks for on a surface."""
-    return inked_as(written.recording, written.dryness, written.strength, surface.material)
+    return with_ink(written.recording, written.dryness, written.strength, surface.material)

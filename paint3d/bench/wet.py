@@ -84,7 +84,7 @@ class _Hand:
             elif self._clock.wait(round(1e9 * self.now), self._pace.most(0.0)):
                 self._follow_time()
             else:
-                self._spend(self.document.rest)
+                self._spend(self.document.prepare_next_stroke)
                 self.now += max(0.0, min(at - self.now, 0.2 * PIECE_S))
 
     def _paint(self, at: float, sample: DeviceSample) -> None:

@@ -20,7 +20,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.spec import BrushSpec
+from paint3d.brush.spec import DEEPEST_PRESS, LARGEST_DRAG_FRACTION, BrushSpec
 from paint3d.brush_engine.enclosing_sphere import tabulate_spheres
 from paint3d.brush_engine.spine import tabulate_bending
 from paint3d.brush_engine.tuft import (
@@ -35,8 +35,6 @@ from paint3d.core.arrays import AnyArray
 from paint3d.errors import BrushError
 
 __all__ = [
-    "FARTHEST_DRAG",
-    "GREATEST_FRACTION",
     "LEAST_COSINE",
     "LOWEST_TILT",
     "BendingTable",
@@ -46,13 +44,11 @@ __all__ = [
 ]
 
 LOWEST_TILT = math.radians(30.0)
-GREATEST_FRACTION = 0.62  # descent over the straight tuft's height; below, the ferrule would touch
 _N_TILTS = 25
 _N_DESCENTS = 129
 _N_ARCS = 2 * (STATIONS - 1)
 _CROWDING = 2.6  # exponent of the arcs' spacing: even the lightest touch bends several at the tip
-Chain = tuple[float, float, float, float]
-FARTHEST_DRAG = 0.5  # the upper end of `BrushSpec.drag_fraction`
+Segmentation = tuple[float, float, float, float]
 LEAST_COSINE = 1e-3
 """Of a section's angle; a steeper section is clear of the plane."""
 
@@ -68,15 +64,15 @@ class BendingTable:
         q: a joint bends (s / LE)^q times as hard as the root.
     n_arcs : int
         Resolution of the spine; the default except in convergence studies.
-    chain : tuple, optional
-        As `BrushSpec.chain`.
+    segmentation : tuple, optional
+        As `BrushSpec.segmentation`.
 
     Attributes
     ----------
     tilts : (T,) float64, read-only
         30 to 90 degrees, rad.
     fractions : (D,) float64, read-only
-        Descent of the root over LE sin(tilt), 0 to `GREATEST_FRACTION`.
+        Descent of the root over LE sin(tilt), 0 to `DEEPEST_PRESS`.
     arcs : (M + 1,) float64, read-only
         Arc lengths of the joints from the tip, 0 to 1.
     angles : (T, D, M) float64, read-only
@@ -88,14 +84,16 @@ class BendingTable:
         If the bending cannot be solved.
     """
 
-    def __init__(self, exponent: float, n_arcs: int = _N_ARCS, chain: Chain | None = None) -> None:
+    def __init__(
+        self, exponent: float, n_arcs: int = _N_ARCS, segmentation: Segmentation | None = None
+    ) -> None:
         self.tilts = np.linspace(LOWEST_TILT, 0.5 * math.pi, _N_TILTS)
-        self.fractions = GREATEST_FRACTION * np.linspace(0.0, 1.0, _N_DESCENTS) ** 2
+        self.fractions = DEEPEST_PRESS * np.linspace(0.0, 1.0, _N_DESCENTS) ** 2
         self.arcs = np.linspace(0.0, 1.0, n_arcs + 1) ** _CROWDING
         self.angles = np.empty((_N_TILTS, _N_DESCENTS, n_arcs))
         failures = tabulate_bending(
             self.arcs,
-            joint_stiffness(self.arcs, exponent, chain),
+            joint_stiffness(self.arcs, exponent, segmentation),
             float(exponent),
             self.tilts,
             self.fractions,
@@ -132,13 +130,15 @@ class BendingTable:
         return along[..., -1:] - along, up, angle
 
 
-def joint_stiffness(arcs: AnyArray, exponent: float, chain: Chain | None = None) -> AnyArray:
+def joint_stiffness(
+    arcs: AnyArray, exponent: float, segmentation: Segmentation | None = None
+) -> AnyArray:
     """k_j (M,) of the joints above the arcs in docs/model.md, equation (2), for LE = 1."""
     lengths = np.diff(arcs)
     bending = np.append(0.5 * (lengths[:-1] + lengths[1:]), 0.5 * lengths[-1])
     result: AnyArray = arcs[1:] ** exponent / bending
-    if chain is not None:
-        segments, tip, rated_segments, rated_tip = chain
+    if segmentation is not None:
+        segments, tip, rated_segments, rated_tip = segmentation
         actual = _segment_at(arcs[1:], segments, tip)
         result *= (actual / _segment_at(arcs[1:], rated_segments, rated_tip)) ** exponent
     return result
@@ -155,21 +155,21 @@ def _segment_at(arcs: AnyArray, segments: float, tip: float) -> AnyArray:
 
 
 @functools.lru_cache(maxsize=16)
-def bending_table(exponent: float, chain: Chain | None = None) -> BendingTable:
-    """Return the table for a stiffness exponent and a chain; cached. About .1 s.
+def bending_table(exponent: float, segmentation: Segmentation | None = None) -> BendingTable:
+    """Return the table for a stiffness exponent and a segmentation; cached. About .1 s.
 
     Raises
     ------
     BrushError
         If the bending cannot be solved.
     """
-    return BendingTable(exponent, chain=chain)
+    return BendingTable(exponent, segmentation=segmentation)
 
 
 @functools.lru_cache(maxsize=16)
-def _shared(exponent: float, chain: Chain | None) -> tuple[NDArray[np.float32], ...]:
+def _shared(exponent: float, segmentation: Segmentation | None) -> tuple[NDArray[np.float32], ...]:
     """Arrays common to tufts of one table, at the stations: `Tuft.spine`, `Tuft.reach`, chords."""
-    along, up, angle = (part[..., ::2] for part in bending_table(exponent, chain).spine)
+    along, up, angle = (part[..., ::2] for part in bending_table(exponent, segmentation).spine)
     spine = np.stack([along, up, angle], axis=2)
     cosine = np.maximum(np.cos(angle), LEAST_COSINE)
     reach = along - up * np.sin(angle) / cosine
@@ -202,7 +202,7 @@ def tuft_on(spec: BrushSpec, material: Material) -> Tuft:
     return tuft._replace(
         transfer_per_mm=tuft.transfer_per_mm * material.uptake,
         spread=tuft.spread + (material.slip - 1.0) * rubbing,
-        drag_fraction=min(FARTHEST_DRAG, tuft.drag_fraction * material.slip),
+        drag_fraction=min(LARGEST_DRAG_FRACTION, tuft.drag_fraction * material.slip),
     )
 
 
@@ -216,8 +216,8 @@ def build_tuft(spec: BrushSpec) -> Tuft:
         If the bending of this brush cannot be solved.
     """
     exponent = float(spec.stiffness_exponent)
-    spine, reach, chords = _shared(exponent, spec.chain)
-    arcs = bending_table(exponent, spec.chain).arcs[::2] * spec.length_mm
+    spine, reach, chords = _shared(exponent, spec.segmentation)
+    arcs = bending_table(exponent, spec.segmentation).arcs[::2] * spec.length_mm
     diameters = spec.diameters(arcs)
     rings = np.array(RING_STATIONS)
     spheres = np.empty((*spine[::2, ::SPHERE_STEPS].shape[:2], len(SPHERE_SPREADS), 3))
@@ -242,7 +242,7 @@ def build_tuft(spec: BrushSpec) -> Tuft:
         taper=float(spec.taper),
         point=float(spec.point_mm),
         lowest_tilt=LOWEST_TILT,
-        greatest_fraction=GREATEST_FRACTION,
+        greatest_fraction=DEEPEST_PRESS,
         length=float(spec.length_mm),
         full_press=float(spec.press_mm),
         spring=float(spec.spring),

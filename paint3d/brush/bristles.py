@@ -8,8 +8,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.bending import GREATEST_FRACTION, LOWEST_TILT, BendingTable, bending_table
-from paint3d.brush.spec import BristleSpec, BrushSpec, ShapeRows
+from paint3d.brush.bending import LOWEST_TILT, BendingTable, bending_table
+from paint3d.brush.spec import DEEPEST_PRESS, BristleSpec, BrushSpec, ShapeRows
 from paint3d.brush_engine.bristles.bend import ARCS, BLOCK, SAMPLES, Bristles
 from paint3d.core.arrays import AnyArray, zeros_on_lines
 
@@ -54,9 +54,10 @@ _FINE = 400  # points of a Bezier curve that is resampled by arc length
 
 
 def energy_shapes(table: BendingTable) -> tuple[AnyArray, AnyArray]:
-    """Shapes (T, D, 3 SAMPLES) float32 and fans (T, D, 2) float32 of a bending table.
+    """Shapes (T, D, 3 SAMPLES) and spreads (T, D, 2), float32, of a bending table.
 
-    The fans are 0: how a tuft spreads is the brush's own law (Guo 2017, Eq. 2).
+    The spreads, half a fan's angle (rad) and the imprint's length, are 0: how a tuft spreads is the
+    brush's own law (Guo 2017, Eq. 2).
     """
     joints = table.arcs
     below = np.clip(np.searchsorted(joints, ARCS, side="right") - 1, 0, len(joints) - 2)
@@ -69,7 +70,9 @@ def energy_shapes(table: BendingTable) -> tuple[AnyArray, AnyArray]:
 def measured_shapes(
     tilts: NDArray[np.float64], fractions: NDArray[np.float64], rows: ShapeRows = MEASURED
 ) -> tuple[AnyArray, AnyArray]:
-    """Shapes (T, D, 3 SAMPLES) and fans (T, D, 2) float32 of a measured brush.
+    """Shapes (T, D, 3 SAMPLES) and spreads (T, D, 2), float32, of a measured brush.
+
+    A spread is half the fan's angle, rad, and the length of the imprint, lengths of a hair.
 
     Parameters
     ----------
@@ -164,7 +167,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
     BrushError
         If the bending of this brush cannot be solved.
     """
-    table = bending_table(float(spec.stiffness_exponent), spec.chain)
+    table = bending_table(float(spec.stiffness_exponent), spec.segmentation)
     if hairs.table == "energy":
         shapes, fans = energy_shapes(table)
     else:
@@ -187,7 +190,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
         retention=(np.argsort(np.argsort(noise)) / (_CELLS - 1.0)).astype(np.float32),
         shortest=float(lengths.min()),
         lowest_tilt=LOWEST_TILT,
-        greatest_fraction=GREATEST_FRACTION,
+        greatest_fraction=DEEPEST_PRESS,
         hair_mm=radius,
         film_mm=float(hairs.film * spec.root_diameter_mm),
         threshold_mm=float(hairs.threshold_mm),

@@ -20,9 +20,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.bending import GREATEST_FRACTION, build_tuft
+from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import make_footprint
-from paint3d.brush.spec import SHAPE_COLUMNS, BrushSpec, ShapeRows, parameter_ranges, shape_rows
+from paint3d.brush.spec import (
+    DEEPEST_PRESS,
+    SHAPE_COLUMNS,
+    BrushSpec,
+    ShapeRows,
+    parameter_ranges,
+    shape_rows,
+)
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import BrushError, InputError
 
@@ -189,7 +196,7 @@ def fit_presses(
     InputError
         For fewer than three depths, or one below 0 or beyond .62 of the length.
     """
-    depths, deepest = presses[:, 0], GREATEST_FRACTION * base.length_mm
+    depths, deepest = presses[:, 0], DEEPEST_PRESS * base.length_mm
     if len(presses) < 3:
         raise InputError("there are presses of {n} depths; expected 3 or more", n=len(presses))
     if depths.min() < 0.0 or depths.max() > deepest:
@@ -199,7 +206,7 @@ def fit_presses(
             least=depths.min(),
             most=depths.max(),
             deepest=deepest,
-            greatest_fraction=GREATEST_FRACTION,
+            greatest_fraction=DEEPEST_PRESS,
             length_mm=base.length_mm,
         )
     tried = dict.fromkeys((*map(float, exponents), float(base.stiffness_exponent)))

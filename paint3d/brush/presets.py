@@ -26,14 +26,14 @@ from paint3d.core.parameter_file import check_known, is_parameter_file, named_or
 from paint3d.errors import BrushError, Message
 
 __all__ = [
-    "GREATEST_EM",
-    "LEAST_EM",
+    "LARGEST_PRESET_EM",
+    "SMALLEST_PRESET_EM",
     "brush_for",
     "brush_names",
     "brush_note",
     "brush_text",
     "check_brush_name",
-    "check_unlike_presets",
+    "check_not_preset",
     "choose_brush",
     "load_brush",
     "load_presets",
@@ -49,19 +49,21 @@ __all__ = [
 # that have no default are required.
 
 _LONGEST_NAME = 60
-_WORDS = ("note", "base")
+_EXTRA_KEYS = ("note", "base")
 _MEANINGS = {
     "hair": Message("what the hairs are of; a word for people"),
-    "hardness": Message("H of Guo 2015, Eq. 4 (S of Guo 2017): force per mm of descent"),
-    "n_segments": Message("n: straight segments of the papers' spine"),
-    "tip_segment_mm": Message("l1: the segment at the tip; smaller, and the tip bends more"),
+    "hardness": Message("S of Guo 2017: larger is stiffer"),
+    "n_segments": Message("m of Guo 2017: straight segments of the spine"),
+    "tip_segment_mm": Message(
+        "le_1 of Guo 2017: the segment at the tip; smaller, and the tip bends more"
+    ),
     "friction": Message("mu on paper; spreads the hairs and is felt"),
-    "spread_by_pressure": Message("b of Guo 2015, Eq. 2 (d of Guo 2017)"),
-    "spread_by_friction": Message("c of Guo 2015, Eq. 2 (h of Guo 2017)"),
-    "length_mm": Message("L: tuft from tip to ferrule; ranges in mm grow with it"),
+    "spread_by_pressure": Message("d of Guo 2017, Eq. 2"),
+    "spread_by_friction": Message("h of Guo 2017, Eq. 2"),
+    "length_mm": Message("LE of Guo 2017: tuft from tip to ferrule; ranges in mm grow with it"),
     "root_diameter_mm": Message("thickness at the ferrule"),
-    "taper": Message("the diameter falls towards the tip like (s / L)^taper"),
-    "stiffness_exponent": Message("q: a joint bends (s / L)^q times as hard as the root"),
+    "taper": Message("the diameter falls towards the tip like (s / LE)^taper"),
+    "stiffness_exponent": Message("q: a joint bends (s / LE)^q times as hard as the root"),
     "full_press_mm": Message("descent at the greatest force"),
     "load": Message("ink in a full tuft, full coats times mm2"),
     "transfer_per_mm": Message("share of the ink given per mm of way at full pressure"),
@@ -70,8 +72,8 @@ _MEANINGS = {
     "max_force": Message("N, at full_press_mm"),
     "point_mm": Message("the cone at the tip"),
     "rated_hardness": Message("the hardness at which full_press_mm holds"),
-    "rated_segments": Message("the n at which stiffness_exponent holds"),
-    "rated_tip_share": Message("the l1 / L at which stiffness_exponent holds"),
+    "rated_segments": Message("the m at which stiffness_exponent holds"),
+    "rated_tip_share": Message("the le_1 / LE at which stiffness_exponent holds"),
     "n_hairs": Message("single hairs"),
     "table": Message("where bent shapes come from"),
     "hair_mm": Message("thickness of a dry hair"),
@@ -114,7 +116,7 @@ def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
 
 def _brush_of(values: dict[str, Any], stem: str, presets: Mapping[str, BrushSpec]) -> BrushSpec:
     fields = {field.name: field for field in dataclasses.fields(BrushSpec)}
-    check_known(values, [*_WORDS, *fields], BrushError)
+    check_known(values, [*_EXTRA_KEYS, *fields], BrushError)
     name, base = values.pop("name", stem), values.pop("base", None)
     values.pop("note", None)
     given: dict[str, Any] = {}
@@ -131,8 +133,7 @@ def _brush_of(values: dict[str, Any], stem: str, presets: Mapping[str, BrushSpec
         missing = [f for f in needed if f != "name" and f not in values]
         if missing:
             raise BrushError(
-                'says no {missing}; expected these, or base = "full" or another brush to take them '
-                "from",
+                '{missing} missing; give them, or base = "full" or another brush to take them from',
                 missing=", ".join(missing),
             )
     if "bristles" in values:
@@ -140,7 +141,7 @@ def _brush_of(values: dict[str, Any], stem: str, presets: Mapping[str, BrushSpec
     check_brush_name(name)
     brush = BrushSpec(**(given | values | {"name": name}))
     if brush != presets.get(brush.name):
-        check_unlike_presets(brush.name, presets)
+        check_not_preset(brush.name, presets)
     return brush
 
 
@@ -155,14 +156,14 @@ def check_brush_name(name: object) -> None:
     is_name = isinstance(name, str) and 0 < len(name) <= _LONGEST_NAME and name.isprintable()
     if not is_name or " @" in str(name) or is_parameter_file(str(name)):
         raise BrushError(
-            "name is {name!r:.80}; expected 1 to {most} characters, without ' @' and no file's "
-            "name",
+            "name is {name!r:.80}; expected 1 to {most} characters, without ' @', and not ending "
+            "in .toml or .json",
             name=name,
             most=_LONGEST_NAME,
         )
 
 
-def check_unlike_presets(name: str, presets: Iterable[str]) -> None:
+def check_not_preset(name: str, presets: Iterable[str]) -> None:
     """Raise if `name` is that of a preset.
 
     Raises
@@ -257,7 +258,7 @@ def write_brush(
         If the file cannot be written.
     """
     check_brush_name(brush.name)
-    check_unlike_presets(brush.name, presets)
+    check_not_preset(brush.name, presets)
     with write_atomically(path) as file:
         file.write_text(brush_text(brush, note, named=True), encoding="utf-8")
 
@@ -276,10 +277,10 @@ def _line(
 
 # ---- Presets -------------------------------------------------------------------------------------
 
-LEAST_EM, GREATEST_EM = 8.0, 200.0
+SMALLEST_PRESET_EM, LARGEST_PRESET_EM = 8.0, 200.0
 """mm: range of character sizes that the presets are made for."""
 
-_BRUSHES = ((22.0, "xiaobaiyun"), (60.0, "zhongbaiyun"), (GREATEST_EM, "dabaiyun"))
+_BRUSHES = ((22.0, "xiaobaiyun"), (60.0, "zhongbaiyun"), (LARGEST_PRESET_EM, "dabaiyun"))
 """Each brush with the largest size (mm) that it writes. The three are alike in shape: a full belly
 and a blunt taper, whose footprints are about as long as wide and so reach into corners at any bend.
 """
@@ -354,13 +355,13 @@ def choose_brush(em_mm: float) -> str:
     InputError
         If the size is out of this range.
     """
-    size = as_number(em_mm, "size of the characters (mm)", LEAST_EM, GREATEST_EM)
+    size = as_number(em_mm, "size of the characters (mm)", SMALLEST_PRESET_EM, LARGEST_PRESET_EM)
     return next(name for largest, name in _BRUSHES if size <= largest)
 
 
 def brush_for(em_mm: float) -> BrushSpec:
     """Return the preset of `choose_brush` for a size, mm; the nearest for one out of its range."""
-    return load_brush(choose_brush(min(max(em_mm, LEAST_EM), GREATEST_EM)))
+    return load_brush(choose_brush(min(max(em_mm, SMALLEST_PRESET_EM), LARGEST_PRESET_EM)))
 
 
 def suits_size(brush: BrushSpec, em_mm: float) -> bool:

@@ -21,8 +21,10 @@ from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import BrushError, InputError, Message
 
 __all__ = [
+    "DEEPEST_PRESS",
     "HAIRS",
     "INPUTS",
+    "LARGEST_DRAG_FRACTION",
     "MOST_HAIRS",
     "REFERENCE_LENGTH",
     "SETTINGS",
@@ -312,6 +314,9 @@ def build_curves(curves: InputCurves) -> Curves:
 HAIRS = ("goat", "weasel", "mixed")
 REFERENCE_LENGTH = 35.0  # mm, the tuft of Guo 2017, Table 2, to which its ranges belong
 
+LARGEST_DRAG_FRACTION = 0.5
+"""Upper end of `BrushSpec.drag_fraction`."""
+
 # The ranges of Guo 2017, section 5; le_1 scales with the tuft's length.
 _RANGES = {
     "hardness": (0.3, 0.7),
@@ -323,14 +328,15 @@ _RANGES = {
     "stiffness_exponent": (2.5, 5.0),
     "load": (1.0, 1e7),
     "transfer_per_mm": (1e-6, 1.0),
-    "drag_fraction": (0.0, 0.5),
+    "drag_fraction": (0.0, LARGEST_DRAG_FRACTION),
     "plasticity": (0.0, 1.0),
 }
 _SEGMENTS = (8.0, 13.0)
 _FORCES = (0.1, 100.0)  # N
 _TIP_SEGMENT = (0.8, 1.4)  # mm of a tuft of the reference's length
 _SHALLOWEST_PRESS = 0.2  # of the length
-_DEEPEST_PRESS = 0.62  # of the length; the table of bent shapes ends there
+DEEPEST_PRESS = 0.62
+"""Descent over the length at which the table of bent shapes ends: deeper, the ferrule touches."""
 _POINT = 2.0  # tip segments
 _LONGEST_POINT = 0.15  # of the length
 _THINNEST_ROOT = 0.02  # of the length
@@ -345,7 +351,7 @@ def parameter_ranges(length_mm: float) -> dict[str, tuple[float, float]]:
         "tip_segment_mm": (_TIP_SEGMENT[0] * scale, _TIP_SEGMENT[1] * scale),
         "root_diameter_mm": (_THINNEST_ROOT * length_mm, _THICKEST_ROOT * length_mm),
         "point_mm": (0.0, _LONGEST_POINT * length_mm),
-        "full_press_mm": (_SHALLOWEST_PRESS * length_mm, _DEEPEST_PRESS * length_mm),
+        "full_press_mm": (_SHALLOWEST_PRESS * length_mm, DEEPEST_PRESS * length_mm),
         "max_force": _FORCES,
         "rated_hardness": _RANGES["hardness"],
         "rated_segments": _SEGMENTS,
@@ -506,18 +512,18 @@ class BrushSpec:
     def press_mm(self) -> float:
         """Descent at pe = 1, mm; a softer brush, which would go deeper, stops at its deepest."""
         press = self.full_press_mm * (self.rated_hardness / self.hardness)
-        return min(press, _DEEPEST_PRESS * self.length_mm)
+        return min(press, DEEPEST_PRESS * self.length_mm)
 
     @property
     def greatest_force(self) -> float:
         """Force at pe = 1, N: `max_force`, or less where `press_mm` is limited."""
         is_whole = self.full_press_mm * (self.rated_hardness / self.hardness) <= (
-            _DEEPEST_PRESS * self.length_mm
+            DEEPEST_PRESS * self.length_mm
         )
         return self.max_force if is_whole else self.spring * self.press_mm
 
     @property
-    def chain(self) -> tuple[float, float, float, float] | None:
+    def segmentation(self) -> tuple[float, float, float, float] | None:
         """Segments and tip_segment_mm / length_mm, now and as rated; None if they are the same."""
         tip = self.tip_segment_mm / self.length_mm
         if self.n_segments == self.rated_segments and math.isclose(tip, self.rated_tip_share):

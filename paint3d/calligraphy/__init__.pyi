@@ -6,7 +6,7 @@ from .hand_motion import HandMotion as HandMotion
 from .layout import Layout as Layout
 from .layout import layout_text as layout_text
 from .metrics import compare as compare
-from .planning import PlanSettings as PlanSettings
-from .writing import Pen as Pen
+from .path_fit import PlanSettings as PlanSettings
+from .writing import WritingSettings as WritingSettings
 from .writing import Written as Written
 from .writing import write_text as write_text

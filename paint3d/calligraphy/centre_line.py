@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.kernels import planning as kernels
+from paint3d.calligraphy.polyline import resample, signed_area
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -19,10 +20,9 @@ __all__ = [
     "OutlineField",
     "centre_line",
     "grid_step",
-    "measured",
+    "measure_line",
     "outline_field",
-    "resampled",
-    "smoothed",
+    "smooth_along",
 ]
 
 _PER_EM = 512  # steps of the grid
@@ -115,7 +115,7 @@ def grid_step(outline: AnyArray, em_mm: float, holes: Sequence[AnyArray] = ()) -
     """
     step = em_mm / _PER_EM
     rings = [outline, *holes]
-    areas = [_area(ring) for ring in rings]
+    areas = [abs(signed_area(ring)) for ring in rings]
     around = sum(
         float(np.linalg.norm(np.diff(r, axis=0, append=r[:1]), axis=1).sum()) for r in rings
     )
@@ -146,11 +146,6 @@ def outline_field(
     return OutlineField(distance, np.array([low[0], low[1], step]), scale)
 
 
-def _area(ring: AnyArray) -> float:
-    x, y = ring.T
-    return 0.5 * abs(float(np.sum(np.roll(x, 1) * y - x * np.roll(y, 1))))
-
-
 def centre_line(median: AnyArray, field: OutlineField, step: float) -> CentreLine:
     """Smooth a median (M, 2), extend it to the outline's ends, and move it to the middle.
 
@@ -161,26 +156,28 @@ def centre_line(median: AnyArray, field: OutlineField, step: float) -> CentreLin
     """
     if not np.ptp(median, axis=0).any():
         raise InputError("the median has no length; expected two different points")
-    points = resampled(median, step)
+    points = resample(median, step, 5)
     headings = _headings(points)
-    width = np.median(_room(points, headings, field, 2.0 * field.distance.max()).sum(axis=1))
+    width = np.median(
+        _measure_room(points, headings, field, 2.0 * field.distance.max()).sum(axis=1)
+    )
     if width <= 0.0:
         raise InputError("most of the median lies outside the outline; expected it within")
     sigma = 0.25 * width / step
-    points = smoothed(points, sigma)
-    points = resampled(_extended(points, field, width), step)
+    points = smooth_along(points, sigma)
+    points = resample(_extend_to_outline(points, field, width), step, 5)
     for _ in range(2):
         headings = _headings(points)
-        room = _room(points, headings, field, width)
+        room = _measure_room(points, headings, field, width)
         inner = np.minimum(room.min(axis=1), 0.3 * width)
         move = np.clip(0.5 * (room[:, 0] - room[:, 1]), -inner, inner)
         moved = points + move[:, None] * _normals(headings)
-        points = resampled(smoothed(moved, sigma), step)
+        points = resample(smooth_along(moved, sigma), step, 5)
     step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
-    return measured(points, width, step, field)
+    return measure_line(points, width, step, field)
 
 
-def smoothed(points: AnyArray, sigma: float) -> NDArray[np.float64]:
+def smooth_along(points: AnyArray, sigma: float) -> NDArray[np.float64]:
     """Gaussian smoothing of values (N, K) along a line; both ends stay. `sigma` in samples."""
     sigma = max(sigma, 0.3)
     n = len(points)
@@ -194,14 +191,6 @@ def smoothed(points: AnyArray, sigma: float) -> NDArray[np.float64]:
     return result
 
 
-def resampled(points: AnyArray, step: float) -> NDArray[np.float64]:
-    """A line (N, 2) at even distances of about `step`, at five points or more."""
-    length = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))]
-    n = max(4, math.ceil(length[-1] / step))
-    at = np.linspace(0.0, length[-1], n + 1)
-    return np.stack([np.interp(at, length, points[:, k]) for k in range(2)], axis=1)
-
-
 def _headings(points: AnyArray) -> NDArray[np.float64]:
     ahead = np.gradient(points, axis=0)
     return np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
@@ -211,19 +200,23 @@ def _normals(headings: AnyArray) -> NDArray[np.float64]:
     return np.stack([-np.sin(headings), np.cos(headings)], axis=1)
 
 
-def _room(points: AnyArray, headings: AnyArray, field: OutlineField, limit: float) -> AnyArray:
+def _measure_room(
+    points: AnyArray, headings: AnyArray, field: OutlineField, limit: float
+) -> AnyArray:
     left = _normals(headings)
     sides = [field.room(points, way, limit) for way in (left, -left)]
     return np.stack(sides, axis=1)
 
 
-def measured(points: AnyArray, width: float, step: float, field: OutlineField) -> CentreLine:
+def measure_line(points: AnyArray, width: float, step: float, field: OutlineField) -> CentreLine:
     """A line of samples (S, 2) about a step apart with its headings and its room."""
     headings = _headings(points)
-    return CentreLine(points, headings, _room(points, headings, field, 1.5 * width), width, step)
+    return CentreLine(
+        points, headings, _measure_room(points, headings, field, 1.5 * width), width, step
+    )
 
 
-def _extended(points: AnyArray, field: OutlineField, width: float) -> NDArray[np.float64]:
+def _extend_to_outline(points: AnyArray, field: OutlineField, width: float) -> NDArray[np.float64]:
     """Go on straight from both ends until the outline is reached."""
     k = min(len(points) - 1, 6)
     ways = np.stack([points[0] - points[k], points[-1] - points[-1 - k]])

@@ -1,9 +1,11 @@
 """Composition of a text on a sheet, as calligraphers compose: it fills the paper.
 
-Columns run from the right, as many as let the characters be largest; what is left of the height and
-the width goes between them. A signature (落款) in smaller characters stands below the last column
-where that is shorter than the others, else left of it, in its lower part; a seal, about as large
-as one of its characters, stands right below.
+Columns run from the right, as many as let the characters be largest without much paper left bare.
+They stand farther apart than the characters of one, so that the text reads down them; what is left
+stays bare, above a little more than below. A signature (落款) in smaller characters stands below
+the last column where that is shorter than the others, else left of it, in its lower part, within
+the margin; a seal, about as wide as its ink, stands below. On a folding fan, whose ribs meet,
+long columns and short ones take turns: the short ones end where there is no place between the long.
 """
 
 from __future__ import annotations
@@ -13,7 +15,9 @@ import unicodedata
 from bisect import bisect_left
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,24 +31,39 @@ from paint3d.mesh.sheet_mesh import fan_of, make_sheet, paper_bounds, sheet_of, 
 from paint3d.mesh.sheets import Sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Composition", "Signing", "compose", "lines_of", "place_on", "seal_below", "sign_beside"]
+__all__ = [
+    "Composition",
+    "Signing",
+    "compose",
+    "lines_of",
+    "place_on",
+    "seal_below",
+    "sign_beside",
+    "stands_in_squares",
+]
 
-_GAP, _BETWEEN = 0.02, 0.0  # ems: the least between columns, and between characters of one
+_GAP, _BETWEEN = 0.2, 0.0  # ems: the least between columns, and between characters of one
 _BARE = 0.09  # ems on either side of a character that its ink leaves bare: they may lie in margins
-_MOST_GAP, _MOST_BETWEEN = 0.45, 0.32
+_MOST_GAP, _MOST_BETWEEN = 0.36, 0.3
+_CLOSER = 0.5  # of the distance of columns, at most: characters of one, that it reads as a column
 _LEAST_MM = 4.0  # the smallest characters that a text is composed in
-_LARGEST = 0.8  # of a sheet's shorter side: a character's square
+_LARGEST, _SMALLER = 0.8, 0.98  # of a sheet's shorter side: a character; what is tried next
+_BARE_COSTS = 0.5  # of the size, where a whole length or width stays bare
 _AT_HEAD = 1.4  # margins above and below, over those at the sides, on a sheet of twice its width
-_FLOWING, _ALONE = 0.92, 0.85  # of the size: columns that part verses; one left in the last column
+_LOWER = 0.1  # of a length that stays bare: by how much the text stands below the middle
+_ALONE, _PARTED = 0.6, 0.95  # of the size: one left in the last column; verses parted by columns
 _SIGNATURE, _OF_WIDTH = 0.35, 1.0 / 10.0  # of the characters' size, of the paper's width at most
-_WITH_ROOM = 2.0  # widths of a signature's characters that its column takes
-_USUAL_SIGNATURE = 7  # characters: a year, a season, a name
-_SIGNED_BETWEEN, _TO_SEAL, _SEAL = 0.06, 0.35, 1.0  # of a signature's characters
-_LEAST_SIGNATURE_MM, _LEAST_SHARE = 4.0, 0.2
+_SIGNED_COLUMN, _AWAY = 1.8, 0.9  # of a signature's characters: its column; from the text's ink
+_SIGNED_BETWEEN, _TO_SEAL, _SEAL = 0.0, 0.4, 0.85  # of a signature's characters
+_SIGNED_LENGTH = 0.85  # of the text's columns, at most
+_LEAST_BELOW, _BELOW = 0.19, 0.35  # ems: a signature below the last column; from that to it
+_LEAST_SIGNATURE_MM, _LEAST_SHARE = 4.0, 0.1
 _LEAST_SEAL_MM = 4.0
 _STEP_MM, _OFF_MM, _FARTHEST_MM, _TRIALS = 2.0, 0.01, 2000.0, 4
 _HEAD_ON_FAN = 0.15  # ems from the upper margin of a fan
 _WIDEST_ON_FAN = 0.8  # ems between columns, in the middle of their length
+_IN_TURN_FROM, _EVEN_ON_FAN = 8, 0.8  # characters: long and short columns; of the size: even ones
+_HALVINGS = 30
 
 
 @dataclass(frozen=True)
@@ -75,7 +94,7 @@ def compose(
     text: str,
     order: str = "columns",
     *,
-    is_signed: bool = False,
+    signature: int | None = None,
     gap: float | None = None,
     between: float | None = None,
 ) -> Composition | None:
@@ -88,8 +107,8 @@ def compose(
         Line breaks are ends of verses: a column holds one, several, or none wholly, whatever lets
         the characters be largest.
     order : {"columns", "row"}
-    is_signed : bool
-        Leave room for a signature where the columns leave none.
+    signature : int, optional
+        Characters of the signature that is to stand beside it, with a seal; 0 for a seal alone.
     gap, between : float, optional
         Distances that are given, ems, as `Layout` has them.
 
@@ -103,13 +122,13 @@ def compose(
     InputError
         If the text is empty, or so long that its characters would be too small to write.
     """
-    verses = split_text("".join("\n" if _is_mark(one) else one for one in text))
-    if not all(unicodedata.east_asian_width(one) in "WF" for one in "".join(verses)):
+    if not stands_in_squares(text):
         return None
+    verses = _verses_of(text)
     asked = _Asked(
         sheet,
         order == "columns",
-        is_signed,
+        0.0 if signature is None else _signed_length(signature),
         (_GAP, _MOST_GAP) if gap is None else (gap, gap),
         (_BETWEEN, _MOST_BETWEEN) if between is None else (between, between),
     )
@@ -139,6 +158,22 @@ def place_on(sheet: Sheet, point: Sequence[float]) -> tuple[float, float]:
     return u, v
 
 
+def stands_in_squares(text: str) -> bool:
+    """Whether all letters of a text, marks apart, are those that are written in squares.
+
+    Raises
+    ------
+    InputError
+        If the text is empty.
+    """
+    letters = "".join(_verses_of(text))
+    return all(unicodedata.east_asian_width(letter) in "WF" for letter in letters)
+
+
+def _verses_of(text: str) -> list[str]:
+    return split_text("".join("\n" if _is_mark(one) else one for one in text))
+
+
 def _is_mark(character: str) -> bool:
     """Whether it is punctuation, which calligraphers do not write: it ends a verse."""
     return unicodedata.category(character)[0] == "P"
@@ -150,14 +185,44 @@ class _Asked:
 
     sheet: Sheet
     columns: bool
-    is_signed: bool
+    signature: float  # its length with the seal, in its characters; 0 without one
     gap: tuple[float, float]  # from the least to the most, ems
     between: tuple[float, float]
 
 
 def _best(asked: _Asked, verses: Sequence[str]) -> Composition:
-    found = (_fitted(asked, lines) for lines in _ways_to_break(verses))
-    return max(found, key=lambda one: one[0])[1]
+    ways = list(_ways_to_break(verses))
+    if asked.columns and asked.sheet.usual.shape == "sector":
+        ways = [(lines, preference * _on_ribs(lines)) for lines, preference in ways]
+        ways += _alternating_columns("".join(verses), asked.sheet)
+    found = [(preference, *_fitted(asked, lines)) for lines, preference in ways]
+    return max(found, key=lambda one: one[0] * one[1])[2]
+
+
+def _on_ribs(lines: Sequence[str]) -> float:
+    """How well columns of one length are liked on a folding fan."""
+    few = sum(map(len, lines)) < _IN_TURN_FROM
+    return 1.0 if few or max(map(len, lines)) == 1 else _EVEN_ON_FAN
+
+
+def _alternating_columns(text: str, sheet: Sheet) -> Iterator[tuple[list[str], float]]:
+    """A text in long and short columns by turns; and how well that is liked."""
+    fan = fan_of(sheet)
+    most = int(2.0 * fan.half_opening * fan.outer / _LEAST_MM)  # columns
+    longest = min(len(text) // 2 - 1, int(sheet.height_mm / _LEAST_MM))
+    for long in range(2, longest + 1 if len(text) >= _IN_TURN_FROM else 0):
+        for short in range(1, long // 2 + 1):
+            if 2 * len(text) > most * (long + short):
+                continue
+            lines: list[str] = []
+            at = 0
+            while at < len(text):
+                rows = (long, short)[len(lines) % 2]
+                lines.append(text[at : at + rows])
+                at += rows
+            whole = at == len(text)
+            if len(lines) > 2 and (whole or len(lines[-1]) > len(lines[-2])):
+                yield lines, 1.0 if whole else _PARTED
 
 
 def _on_panels(asked: _Asked, verses: list[str]) -> Composition:
@@ -174,13 +239,13 @@ def _on_panels(asked: _Asked, verses: list[str]) -> Composition:
     return Composition(tuple(filter(None, columns)), best.em_mm, best.gap, best.between, None)
 
 
-def _ways_to_break(verses: Sequence[str]) -> Iterator[list[str]]:
-    """The verses in columns: so many in each, or parted."""
+def _ways_to_break(verses: Sequence[str]) -> Iterator[tuple[list[str], float]]:
+    """The verses in columns, so many in each, or parted; and how well that is liked."""
     for n in range(1, len(verses) + 1):
-        yield ["".join(verses[k : k + n]) for k in range(0, len(verses), n)]
+        yield ["".join(verses[k : k + n]) for k in range(0, len(verses), n)], 1.0
     whole = "".join(verses)
     for rows in sorted({math.ceil(len(whole) / n) for n in range(1, len(whole) + 1)}):
-        yield [whole[k : k + rows] for k in range(0, len(whole), rows)]
+        yield [whole[k : k + rows] for k in range(0, len(whole), rows)], _PARTED
 
 
 def _fitted(asked: _Asked, lines: list[str]) -> tuple[float, Composition]:
@@ -188,18 +253,33 @@ def _fitted(asked: _Asked, lines: list[str]) -> tuple[float, Composition]:
     n, longest = len(lines), max(map(len, lines))
     shape = asked.sheet.usual.shape
     fit = {"sector": _on_fan, "disc": _on_disc}.get(shape, _on_rectangle)
-    em, gap, between, x, y = fit(asked, lines)
-    worth = em
+    worth, em, gap, between, x, y = fit(asked, lines)
     if n > 1 and len(set(map(len, lines[:-1]))) == 1 and len(lines[-1]) == 1 and longest > 1:
         worth *= _ALONE
     point = None if asked.sheet.usual.panels > 1 else (x, y, 0.0)
     return worth, Composition(tuple(lines), em, gap, between, point)
 
 
-def _signature_mm(em: float, sheet: Sheet, length: float) -> float:
-    """The size of a usual signature beside characters of an em, in a column of a length, mm."""
-    all_of_it = _signed_length(_USUAL_SIGNATURE)
-    return min(_SIGNATURE * em, _OF_WIDTH * min(sheet.size), 0.9 * length / all_of_it)
+class _Fit(NamedTuple):
+    """Lines at the size that suits a sheet best, and how good that is; x, y: their middle, mm."""
+
+    worth: float
+    em: float
+    gap: float
+    between: float
+    x: float
+    y: float
+
+
+def _signature_mm(em: float, whole: float, length: float) -> float:
+    """The size of a signature, `whole` of its characters long, beside a text of a length, mm."""
+    return min(_SIGNATURE * em, max(_SIGNED_LENGTH * length / whole, _LEAST_SHARE * em))
+
+
+def _below_mm(em: float, whole: float, blank: float) -> float | None:
+    """The size of a signature below a column that is shorter by a length, mm; None: no room."""
+    size = min(_SIGNATURE * em, (blank - (_BELOW + _BARE) * em) / whole)
+    return size if size >= _LEAST_BELOW * em else None
 
 
 def _signed_length(n: int) -> float:
@@ -212,62 +292,75 @@ def _spread(free: float, em: float, n: int, least: float, most: float) -> float:
     return least if n == 1 else min(max((free / em - n) / (n - 1), least), most)
 
 
-def _on_rectangle(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
-    sheet, columns, is_signed = asked.sheet, asked.columns, asked.is_signed
+def _on_rectangle(asked: _Asked, lines: list[str]) -> _Fit:
+    """Lines on a rectangle: as large as they can be with little of it bare."""
+    sheet, columns = asked.sheet, asked.columns
     width, height = sheet.size
     at_side = sheet.margin_mm
     at_head = at_side * (_AT_HEAD if height >= 2.0 * width else 1.0)
-    size = np.array([width - 2.0 * at_side, height - 2.0 * at_head])
-    across, along = size if columns else size[::-1]  # of the columns, or the rows
+    across, along = width - 2.0 * at_side, height - 2.0 * at_head
+    margins = at_side, at_head
+    if not columns:
+        across, along, margins = along, across, margins[::-1]
     n, rows = len(lines), max(map(len, lines))
-    bare = 2.0 * _BARE if sheet.usual.panels == 1 else -_BARE  # halves are laid within margins
-    least_wide = n + (n - 1) * asked.gap[0] - bare
-    least_long = rows + (rows - 1) * asked.between[0] - bare
+    in_halves = sheet.usual.panels > 1  # which are laid within margins, in the middle
+    least = asked.between[0]
+    best: _Fit | None = None
     em = min(
-        across / least_wide,
-        along / least_long,
-        (across + at_side) / (least_wide + bare),  # its squares stay on the paper
-        (along + at_head) / (least_long + bare),
         _LARGEST * min(sheet.size),
+        across / (n + (n - 1) * asked.gap[0] - 2.0 * _BARE),
+        along / (rows + (rows - 1) * least - 2.0 * _BARE),
     )
-    edge = at_side if columns else at_head
-    paper, taken = across + 2.0 * edge, edge - 0.5 * bare * em
-    if is_signed:
-        for _ in range(30):  # the column of the signature narrows with the characters
-            least = edge - 0.5 * bare * em  # from squares to the paper's edge
-            length = em * least_long
-            below = (rows - len(lines[-1])) * em * (1.0 + asked.between[0])
-            signature = _signature_mm(em, sheet, max(length, 0.6 * along))
-            if n > 1 and below >= 0.4 * em + _signed_length(_USUAL_SIGNATURE) * signature:
-                taken = least
-                break
-            taken = max(least, _WITH_ROOM * signature)
-            if em * (least_wide + bare) + least + taken <= paper:
-                break
-            em *= 0.98
-    least = edge - 0.5 * bare * em
-    gap = _spread(paper - least - taken, em, n, *asked.gap)
-    between = _spread(along + bare * em, em, rows, *asked.between)
-    beside = 0.5 * (paper - em * (n + (n - 1) * gap))  # on either side, to the edge
-    x = min(max(0.0, taken - beside), max(0.0, beside - least))
-    return (em, gap, between, x, 0.0) if columns else (em, gap, between, 0.0, x)
+    while best is None or em > best.worth:
+        bare = [-0.5 * _BARE * em if in_halves else min(_BARE * em, edge) for edge in margins]
+        long = along + 2.0 * bare[1]
+        spaced = partial(_spaced, asked, lines, em, (across + 2.0 * bare[0], long))
+        wide, gap, between = spaced(0.0)
+        signature = 0.0
+        blank = (rows - len(lines[-1])) * em * (1.0 + between)
+        if asked.signature and (n == 1 or _below_mm(em, asked.signature, blank) is None):
+            size = _signature_mm(em, asked.signature, em * (rows + (rows - 1) * least))
+            signature = _SIGNED_COLUMN * min(size, _OF_WIDTH * min(sheet.size))
+            if in_halves:  # it may lie in the margin there, and the other side is as wide
+                signature = 2.0 * max(0.0, signature - 0.6 * margins[0])
+            wide, gap, between = spaced(signature)
+        free = wide - em * (n + (n - 1) * gap), long - em * (rows + (rows - 1) * between)
+        if min(free) >= -1e-6 * em:
+            worth = em * math.prod(1.0 - _BARE_COSTS * np.array(free) / (wide, long))
+            if best is None or worth > best.worth:
+                x, y = 0.5 * signature, -_LOWER * free[1]
+                best = _Fit(worth, em, gap, between, *((x, y) if columns else (0.0, x)))
+        em *= _SMALLER
+    return best
 
 
-def _on_disc(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
-    sheet, columns, is_signed = asked.sheet, asked.columns, asked.is_signed
+def _spaced(
+    asked: _Asked, lines: list[str], em: float, room: tuple[float, float], signature: float
+) -> tuple[float, float, float]:
+    """The width left beside a signature's column, mm, and the gaps between columns and in one."""
+    least, most = asked.between
+    n, rows = len(lines), max(map(len, lines))
+    wide = room[0] - signature
+    gap = _spread(wide, em, n, *asked.gap)
+    closest = most if least == most or n == 1 else max(least, min(most, _CLOSER * gap))
+    return wide, gap, _spread(room[1], em, rows, least, closest)
+
+
+def _on_disc(asked: _Asked, lines: list[str]) -> _Fit:
+    sheet, columns = asked.sheet, asked.columns
     radius = 0.5 * sheet.width_mm - sheet.margin_mm
     n, rows = len(lines), max(map(len, lines))
     wide = n + (n - 1) * asked.gap[0] - 2.0 * _BARE
     long = rows + (rows - 1) * asked.between[0] - 2.0 * _BARE
-    signed = _WITH_ROOM * _SIGNATURE * 0.75 if is_signed and columns else 0.0
+    signed = _SIGNED_COLUMN * _SIGNATURE * 0.75 if asked.signature and columns else 0.0
     em = 2.0 * radius / math.hypot(wide + signed, long)
     corner = math.hypot(wide + 2.0 * _BARE, long + 2.0 * _BARE)
     em = min(em, 0.97 * sheet.width_mm / corner, 0.6 * sheet.width_mm)
-    return em, asked.gap[0], asked.between[0], 0.5 * signed * em, 0.0
+    return _Fit(em, em, asked.gap[0], asked.between[0], 0.5 * signed * em, 0.0)
 
 
-def _on_fan(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float, float]:
-    sheet, columns, is_signed = asked.sheet, asked.columns, asked.is_signed
+def _on_fan(asked: _Asked, lines: list[str]) -> _Fit:
+    sheet, columns = asked.sheet, asked.columns
     fan = fan_of(sheet)
     margin = sheet.margin_mm
     outer, inner = fan.outer - margin, fan.inner + margin
@@ -275,19 +368,39 @@ def _on_fan(asked: _Asked, lines: list[str]) -> tuple[float, float, float, float
     n, rows = (len(lines), max(map(len, lines))) if columns else (max(map(len, lines)), len(lines))
     aside, along = (asked.gap, asked.between) if columns else (asked.between, asked.gap)
     long = rows + (rows - 1) * along[0]
-    signed = _WITH_ROOM * _SIGNATURE if is_signed and columns else 0.0
-    # columns touch where they are nearest to the apex
-    em = opening * outer / (n + (n - 1) * aside[0] + signed + opening * (long + _HEAD_ON_FAN))
-    em = min(em, (outer - inner) / (long + 2.0 * _HEAD_ON_FAN))
-    lower = outer - em * (long + _HEAD_ON_FAN)
-    middle = lower + 0.5 * em * long
+    signed = _SIGNED_COLUMN * _SIGNATURE if asked.signature and columns else 0.0
+    lengths = list(map(len, lines)) if columns else [rows] * n
+    # columns touch where they are nearest to the apex: neighbours, and those beside a shorter one
+    beside = max(map(min, pairwise(lengths)), default=0)
+    beyond = max(map(min, zip(lengths, lengths[2:], strict=False)), default=0)
+
+    def pitch_of(em: float) -> float:
+        """The least angle between two columns."""
+        head = _HEAD_ON_FAN - along[0]
+        near, far = (outer - em * (k * (1.0 + along[0]) + head) for k in (beside, beyond))
+        return em * (1.0 + aside[0]) * max(1.0 / min(near, middle_of(em)), 0.5 / far)
+
+    def middle_of(em: float) -> float:
+        return outer - em * (0.5 * long + _HEAD_ON_FAN)
+
+    def fits(em: float) -> bool:
+        lower = outer - em * (long + _HEAD_ON_FAN)
+        return (n - 1) * pitch_of(em) + (1.0 + signed) * em / lower <= opening
+
+    em, most = 0.0, (outer - inner) / (long + 2.0 * _HEAD_ON_FAN)
+    if fits(most):
+        em = most
+    else:
+        for k in range(1, _HALVINGS):
+            em += 0.5**k * most if fits(em + 0.5**k * most) else 0.0
+    lower, middle = outer - em * (long + _HEAD_ON_FAN), middle_of(em)
     signature = signed * em / lower  # an angle, as that of a pitch
     pitch = (opening - signature - em / lower) / (n - 1) if n > 1 else 0.0
     widest = aside[1] if aside[0] == aside[1] else _WIDEST_ON_FAN  # equal where it is given
     apart = min(max(pitch * middle / em - 1.0, aside[0]), widest)
     turn = 0.5 * signature
     x, y = middle * math.sin(turn), middle * math.cos(turn) + fan.apex
-    return (em, apart, along[0], x, y) if columns else (em, along[0], apart, x, y)
+    return _Fit(em, em, *((apart, along[0]) if columns else (along[0], apart)), x, y)
 
 
 # ---- Signatures ----------------------------------------------------------------------------------
@@ -356,6 +469,13 @@ class _Paper:
         turned = math.cos(turn) * rib + math.sin(turn) * float(np.linalg.norm(rib)) * aside
         return self._apex + turned, -turned / float(np.linalg.norm(turned))
 
+    def splay(self, place: AnyArray, onward_mm: float) -> float:
+        """How much nearer the ribs of a folding fan are at a length onward of a place (3,)."""
+        if self._apex is None:
+            return 1.0
+        rib = float(np.linalg.norm(place - self._apex))
+        return rib / max(rib - onward_mm, 0.25 * rib)
+
     def room(self, place: AnyArray, way: AnyArray) -> float:
         """How far (mm) one can go from a place (3,) in a direction; endless on other objects."""
         if not self._panels:
@@ -399,22 +519,28 @@ def sign_beside(
         pitch = float(np.linalg.norm(ends)) / (rows - 1)
     length = em + (rows - 1) * pitch
     whole = _signed_length(n) if n else _SEAL
-    size = min(_SIGNATURE * em, max(0.9 * length / whole, _LEAST_SHARE * em))
+    size = _signature_mm(em, whole, length)
     sheet = sheet_of(mesh)
     if sheet is not None:
         size = min(size, _OF_WIDTH * min(sheet.size))
-    below = (rows - len(last)) * pitch - 0.4 * em
-    end = length - 0.5 * em - (0.5 * em if length > 4.0 * em else 0.0)  # from the first's middle
+    below = _below_mm(em, whole, (rows - len(last)) * pitch) if len(lines) > 1 else None
+    end = length - 0.5 * em - (0.5 if length > 4.0 * em else _BARE) * em  # from the first's middle
     away = 0.0
     paper = _Paper(mesh)
-    if len(lines) > 1 and below >= whole * size:
-        start = (len(last) - 1) * pitch + 0.9 * em
-        end = min(end, max(start + whole * size, 0.7 * end))
+    if below is not None:
+        size = min(size, below)
+        start = (len(last) - 1) * pitch + (0.5 + _BELOW) * em
+        lowest = length - (0.5 + _BARE) * em
+        end = min(lowest, max(start + whole * size, 0.7 * end))
     else:
-        free = paper.room(first.origin + 0.5 * em * aside, aside)
+        inked = (0.5 - _BARE) * em
+        free = paper.room(first.origin + inked * aside, aside)
+        within = free - (0.0 if sheet is None else sheet.margin_mm) + _BARE * size
         size = min(size, free / 1.5)
         for _ in range(_TRIALS):
-            away = 0.5 * (em + size) + min(0.6 * size, max(0.3 * (free - size), 0.1 * size))
+            beside = max(min(_AWAY * size, within - size), 0.3 * (free - size), 0.1 * size)
+            away = inked + 0.5 * size + min(_AWAY * size, beside)
+            away *= paper.splay(first.origin, end)
             at, down = paper.beside(first.origin, away, aside, onward)
             above, under = (paper.room(at, way) - 0.4 * size for way in (-down, down))
             if whole * size <= above + under:

@@ -1,7 +1,7 @@
 """Dabs: what the strokes of a filled shape leave bare within it is painted by the tip of the brush.
 
-A course keeps the largest footprint that fits about its line, which reaches no square end and no
-cusp. Of what is left, each patch that would be seen gets a course of its own, as narrow as it is.
+A path keeps the largest footprint that fits about its line, which reaches no square end and no
+cusp. Of what is left, each patch that would be seen gets a path of its own, as narrow as it is.
 """
 
 from __future__ import annotations
@@ -39,17 +39,17 @@ _LOAD = 0.12  # of the em square: the area that a load fills evenly
 
 def dabs_in(
     shapes: Sequence[Shape],
-    courses: Sequence[StrokePath],
+    paths: Sequence[StrokePath],
     em_mm: float,
     footprints: FootprintTable,
     settings: PlanSettings,
 ) -> list[StrokePath]:
-    """Courses through what others leave bare, each next to the one before.
+    """Paths through what others leave bare, each next to the one before.
 
     Parameters
     ----------
     shapes : sequence of Shape
-    courses : sequence of StrokePath
+    paths : sequence of StrokePath
         Through all of them, at least one.
     em_mm : float
         Side of the em square, mm: patches narrower than a 256th of it are not seen.
@@ -61,10 +61,10 @@ def dabs_in(
     high = np.max([outline.max(axis=0) for outline, _ in shapes], axis=0) + _RIM * step
     columns, rows = np.ceil((high - low) / step).astype(int) + 1
     grid = np.array([*low, step])
-    wanted = _inked(shapes, grid, (rows, columns))
+    wanted = _ink_mask(shapes, grid, (rows, columns))
     painted = np.zeros_like(wanted)
-    for course in courses:
-        _cover(course, footprints, grid, painted)
+    for path in paths:
+        _covered_mask(path, footprints, grid, painted)
     found: list[StrokePath] = []
     tried = np.zeros_like(wanted)
     for _ in range(_ROUNDS):
@@ -75,38 +75,38 @@ def dabs_in(
                 tried |= patch
                 continue
             before = int((patch & painted).sum())
-            _cover(dab, footprints, grid, painted)
+            _covered_mask(dab, footprints, grid, painted)
             if (patch & painted).sum() - before < _WORTH * patch.sum():
                 tried |= patch
             dabs.append(dab)
         found += dabs
         if not dabs or len(found) > _MOST:
             break
-    return _one_by_one(found[:_MOST], courses[-1].centre[-1])
+    return _order_by_nearness(found[:_MOST], paths[-1].centre[-1])
 
 
 def loads_of(
-    courses: Sequence[StrokePath], em_mm: float, footprints: FootprintTable
+    paths: Sequence[StrokePath], em_mm: float, footprints: FootprintTable
 ) -> list[list[StrokePath]]:
-    """Courses of a filled shape in the parts that the brush is dipped before, so that it is even.
+    """Paths of a filled shape in the parts that the brush is dipped before, so that it is even.
 
-    A course is never broken off; one that fills more than a load begins with a full brush.
+    A path is never broken off; one that fills more than a load begins with a full brush.
     """
     loads: list[list[StrokePath]] = []
     filled = math.inf
-    for course in courses:
-        way = np.linalg.norm(np.diff(course.centre, axis=0), axis=1)
-        width = footprints.width_at(0.5 * (course.level[1:] + course.level[:-1]))
+    for path in paths:
+        way = np.linalg.norm(np.diff(path.centre, axis=0), axis=1)
+        width = footprints.width_at(0.5 * (path.level[1:] + path.level[:-1]))
         own = float(way @ width) / em_mm**2
         if filled + own > _LOAD:
             loads.append([])
             filled = 0.0
-        loads[-1].append(course)
+        loads[-1].append(path)
         filled += own
     return loads
 
 
-def _inked(
+def _ink_mask(
     shapes: Sequence[Shape], grid: NDArray[np.float64], size: tuple[int, int]
 ) -> NDArray[np.bool_]:
     """Mask (H, W) of all shapes, at the grid's points."""
@@ -125,11 +125,11 @@ def _inked(
     return inked
 
 
-def _cover(
-    course: StrokePath, footprints: FootprintTable, grid: AnyArray, painted: NDArray[np.bool_]
+def _covered_mask(
+    path: StrokePath, footprints: FootprintTable, grid: AnyArray, painted: NDArray[np.bool_]
 ) -> None:
     kernels.cover(
-        footprints.points, course.level, course.centre, course.azimuth, course.share, grid, painted
+        footprints.points, path.level, path.centre, path.azimuth, path.share, grid, painted
     )
 
 
@@ -162,12 +162,12 @@ def _dab(
     footprints: FootprintTable,
     settings: PlanSettings,
 ) -> StrokePath | None:
-    """The course along a patch; None where no footprint fits."""
+    """The path along a patch; None where no footprint fits."""
     try:
         line = _line_of(field, settings.sample_step * em_mm)
     except InputError:
         return None
-    return PathFitter(field, footprints, settings, em_mm, None).follow(line).course
+    return PathFitter(field, footprints, settings, em_mm, None).follow(line).path
 
 
 def _line_of(field: OutlineField, step: float) -> CentreLine:
@@ -183,11 +183,11 @@ def _line_of(field: OutlineField, step: float) -> CentreLine:
     return centre_line(np.array(middles), field, step)
 
 
-def _one_by_one(courses: list[StrokePath], at: AnyArray) -> list[StrokePath]:
-    """Courses in the order in which each begins nearest to where the one before ends."""
-    left, order = list(courses), []
+def _order_by_nearness(paths: list[StrokePath], at: AnyArray) -> list[StrokePath]:
+    """Paths in the order in which each begins nearest to where the one before ends."""
+    left, order = list(paths), []
     while left:
-        apart = [float(np.linalg.norm(course.centre[0] - at)) for course in left]
+        apart = [float(np.linalg.norm(path.centre[0] - at)) for path in left]
         order.append(left.pop(int(np.argmin(apart))))
         at = order[-1].centre[-1]
     return order

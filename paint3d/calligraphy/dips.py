@@ -1,5 +1,7 @@
-"""When a writer dips: a planned hand presses the dip button before every character, and here
-presses are let go, so that the load of the brush falls along a column.
+"""When the brush is dipped.
+
+A planned recording presses the dip button before every character; here the presses that are not
+needed are removed, so that the load of the brush falls along a column.
 
 What a way takes of the ink in the brush follows from eta' sum pe ds (docs/model.md, equations (10)
 and (10a)), so what a character takes is known before it is painted, as far as the way of the
@@ -10,7 +12,7 @@ small ones; a writer wets only the part of its tuft that he needs (`paint3d.brus
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +21,19 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.brush_engine.ink_transfer import FADING, FILM, FILM_SHARE
-from paint3d.core.arrays import AnyArray, as_number
+from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import rotate
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError
 
-__all__ = ["LEAST_LOAD", "DipPolicy", "dipped_as", "ink_taken", "redipped"]
+__all__ = ["LEAST_LOAD", "apply_dip_option", "ink_taken", "remove_dips"]
 
 LEAST_LOAD = 0.2
 """Of what a dip gave: a writer dips before less is left; set by eye."""
+
+_LASTS = (1.0 - LEAST_LOAD - FADING * math.log(LEAST_LOAD)) / (1.0 + FADING)
+"""Sum of `ink_taken` until `LEAST_LOAD` of a dip is left, on paper; on a glaze more is."""
 
 _CHARACTERS = 4.0  # of a middle size that a dip is for
 _NEW_COLUMN = 1.6  # times the usual step from character to character: there the column ends
@@ -36,57 +41,23 @@ _ROOM = 2  # characters that a load has to last for at the head of a column
 _LEAST_WETTED = 0.005  # share of a tuft: its point
 
 
-@dataclass(frozen=True)
-class DipPolicy:
-    """Rule by which the brush is dipped.
-
-    Attributes
-    ----------
-    every : int, optional
-        Before every so many-th character. None: where the load would fall under `least` before the
-        end of the next character, or at a column's head before the end of the one after that.
-    least : float
-        Load, as a share of what a dip gives, to which it falls until the brush is dipped again,
-        between 0 and 1.
-    fullness : float
-        See `DipAmount`.
-
-    Raises
-    ------
-    InputError
-        For a count below 1, or a share that is none.
-    """
-
-    every: int | None = None
-    least: float = LEAST_LOAD
-    fullness: float = 1.0
-
-    def __post_init__(self) -> None:
-        if self.every is not None and not (type(self.every) is int and self.every >= 1):
-            raise InputError(
-                "every is {every!r:.60}; expected a count of 1 or more, or None",
-                every=self.every,
-            )
-        as_number(self.least, "least load", 0.01, 0.99)
-
-
-def dipped_as(recording: Recording, brush: BrushSpec, wanted: str | int) -> Recording:
+def apply_dip_option(recording: Recording, brush: BrushSpec, wanted: str | int) -> Recording:
     """A planned recording with the brush dipped as ``--dip`` says.
 
     Parameters
     ----------
     recording, brush
-        As for `redipped`.
+        As for `remove_dips`.
     wanted : {"auto", "always"} or int
         "always": the whole tuft before every character, as it was planned.
     """
     if wanted == "always":
         return recording
-    return redipped(recording, brush, DipPolicy(None if wanted == "auto" else int(wanted)))
+    return remove_dips(recording, brush, None if wanted == "auto" else int(wanted))
 
 
-def redipped(recording: Recording, brush: BrushSpec, policy: DipPolicy) -> Recording:
-    """The same way of the hand with the brush dipped where the policy says.
+def remove_dips(recording: Recording, brush: BrushSpec, every: int | None = None) -> Recording:
+    """Dip the brush before some characters only, and in so little ink as these take.
 
     Parameters
     ----------
@@ -94,41 +65,48 @@ def redipped(recording: Recording, brush: BrushSpec, policy: DipPolicy) -> Recor
         Its dip button goes down before every character, as in a planned text.
     brush : BrushSpec
         That it is painted with.
-    policy : DipPolicy
+    every : int, optional
+        Dip before every so many-th character. None: where the load would fall under `LEAST_LOAD`
+        before the end of the next character, or at a column's head before the end of the one after.
 
     Returns
     -------
     Recording
         Its header has ``"dip"``, the words of a `DipAmount`. So much of the tuft is wet that the
-        load falls to the policy's least over its number of characters, or over four that take a
+        load falls to `LEAST_LOAD` over that number of characters, or over four that take a
         middle amount of ink; the whole tuft where these take more.
+
+    Raises
+    ------
+    InputError
+        If `every` is no count of at least 1.
     """
-    starts = np.concatenate([[0], _presses(recording)])
+    if every is not None and not (type(every) is int and every >= 1):
+        raise InputError(
+            "every is {every!r:.60}; expected a count of 1 or more, or None", every=every
+        )
+    down = (recording.buttons & DIP) != 0
+    starts = np.concatenate([[0], np.flatnonzero(down[1:] & ~down[:-1]) + 1])
     taken = np.add.reduceat(ink_taken(recording, brush), starts)
-    lasts = _lasts(policy.least)
-    if policy.every is None:
-        wetted = _wetted(max(_CHARACTERS * np.median(taken), float(taken.max())) / lasts)
-        dips = _where_needed(taken / wetted, _heads(recording, starts), policy.least)
+    if every is None:
+        most = max(_CHARACTERS * np.median(taken), float(taken.max()))
+        wetted = _wetted_fraction(most / _LASTS)
+        dips = _find_needed_dips(taken / wetted, _find_column_heads(recording, starts))
     else:
-        dips = np.arange(len(starts)) % policy.every == 0
+        dips = np.arange(len(starts)) % every == 0
         runs = np.add.reduceat(taken, np.flatnonzero(dips))
-        wetted = _wetted(float(runs.max()) / lasts)
+        wetted = _wetted_fraction(float(runs.max()) / _LASTS)
     buttons = np.array(recording.buttons)
     ends = np.append(starts[1:], len(buttons))
     for start, end, stays in zip(starts, ends, dips, strict=True):
         if not stays:
             buttons[start:end] &= ~DIP
-    amount = {"dip": DipAmount(wetted, policy.fullness).words()}
+    amount = {"dip": DipAmount(wetted).words()}
     return replace(recording, buttons=buttons, header={**recording.header, **amount})
 
 
-def _wetted(share: float) -> float:
+def _wetted_fraction(share: float) -> float:
     return math.ceil(1e4 * min(1.0, max(_LEAST_WETTED, share))) / 1e4
-
-
-def _lasts(least: float) -> float:
-    """Sum of `ink_taken` until `least` of a dip is left, on paper; on a glaze more is."""
-    return (1.0 - least - FADING * math.log(least)) / (1.0 + FADING)
 
 
 def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
@@ -154,7 +132,7 @@ def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
     pressure = recording.pressure
     if pressure is None:
         raise InputError("the recording has no pressure; expected one, to know what ink it takes")
-    steps = np.linalg.norm(np.diff(_over_object(recording), axis=0), axis=1)
+    steps = np.linalg.norm(np.diff(_root_in_object(recording), axis=0), axis=1)
     mean = 0.5 * (pressure[1:] + pressure[:-1])
     touches = (pressure[1:] > 0.0) & (pressure[:-1] > 0.0)
     taken = np.zeros(len(recording))
@@ -167,22 +145,16 @@ def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
     return taken
 
 
-def _over_object(recording: Recording) -> AnyArray:
+def _root_in_object(recording: Recording) -> AnyArray:
     """(N, 3) root in the object's frame, mm."""
     inverse = recording.object_orientation * np.array([1.0, -1.0, -1.0, -1.0])
     result: AnyArray = rotate(inverse, recording.position - recording.object_position)
     return result
 
 
-def _presses(recording: Recording) -> AnyArray:
-    """Samples at which the dip button goes down, without the first."""
-    down = (recording.buttons & DIP) != 0
-    return np.flatnonzero(down[1:] & ~down[:-1]) + 1
-
-
-def _heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
+def _find_column_heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
     """(K,) bool: characters that lie much farther from the one before than usual."""
-    place = _over_object(recording)
+    place = _root_in_object(recording)
     touches = (np.zeros(len(place)) if recording.pressure is None else recording.pressure) > 0.0
     weights = np.add.reduceat(touches.astype(float), starts)
     sums = np.add.reduceat(np.where(touches[:, None], place, 0.0), starts, axis=0)
@@ -195,13 +167,12 @@ def _heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
     return heads
 
 
-def _where_needed(taken: AnyArray, heads: NDArray[np.bool_], least: float) -> NDArray[np.bool_]:
+def _find_needed_dips(taken: AnyArray, heads: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """(K,) bool: characters that the brush is dipped for, by what each takes of a wetted tuft."""
-    lasts = _lasts(least)
     dips = np.zeros(len(taken), bool)
     used = math.inf
     for k in range(len(taken)):
         ahead = taken[k : k + _ROOM].sum() if heads[k] else taken[k]
-        dips[k] = used + ahead > lasts * (1.0 + 1e-9)
+        dips[k] = used + ahead > _LASTS * (1.0 + 1e-9)
         used = taken[k] + (0.0 if dips[k] else used)
     return dips

@@ -29,11 +29,11 @@ __all__ = [
     "BLACKEST",
     "DENSITY",
     "diluted",
-    "dried_as",
     "dryness_at",
-    "inked_as",
     "loads_for",
     "stations_of_motion",
+    "with_dryness",
+    "with_ink",
     "with_loads",
     "with_strengths",
 ]
@@ -91,7 +91,7 @@ def stations_of_motion(
     for k, stroke in enumerate(glyph.strokes):
         mine, n = np.flatnonzero(motion.stroke == k), len(stroke.dryness)
         if n and len(mine):
-            share = _along(on_paper(stroke.median, em_mm), middle[mine])
+            share = _station_along(on_paper(stroke.median, em_mm), middle[mine])
             station[mine] = first + np.clip(share * n - 0.5, 0.0, n - 1.0)
         first += n
     return station
@@ -103,7 +103,7 @@ def dryness_at(station: AnyArray, shares: AnyArray) -> NDArray[np.float64]:
     return result
 
 
-def _along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
+def _station_along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
     """Station (0 to 1) on a line (M, 2) of the nearest place to each point, never going back.
 
     A stroke may cross itself: each point is looked for near the one before.
@@ -122,17 +122,17 @@ def _along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
     return np.maximum.accumulate(at)
 
 
-def inked_as(
+def with_ink(
     recording: Recording, dryness: AnyArray | None, strength: AnyArray | None, material: Material
 ) -> Recording:
     """A recording whose brush is as dry, and its ink as strong, as was asked for on a material.
 
-    See `dried_as` and `with_strengths`.
+    See `with_dryness` and `with_strengths`.
     """
-    return with_strengths(dried_as(recording, dryness, material), strength)
+    return with_strengths(with_dryness(recording, dryness, material), strength)
 
 
-def dried_as(recording: Recording, dryness: AnyArray | None, material: Material) -> Recording:
+def with_dryness(recording: Recording, dryness: AnyArray | None, material: Material) -> Recording:
     """A recording whose brush is as dry as was asked for, on a material.
 
     Parameters
@@ -227,10 +227,10 @@ def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> 
     InputError
         If there are more strokes than a header has room for.
     """
-    step, changes = _NEXT, _changes(recording, loads, _NEXT)
+    step, changes = _NEXT, _load_changes(recording, loads, _NEXT)
     while len(changes) > _MOST_CHANGES and step < 1.0:
         step *= 1.5
-        changes = _changes(recording, loads, step)
+        changes = _load_changes(recording, loads, step)
     if len(changes) > _MOST_CHANGES:
         raise InputError(
             "{n} strokes say how dry they are; expected {most} or fewer in a recording: write "
@@ -243,7 +243,7 @@ def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> 
     return replace(recording, header={**recording.header, "dip": amount, "loads": changes})
 
 
-def _changes(recording: Recording, loads: AnyArray, step: float) -> list[list[float]]:
+def _load_changes(recording: Recording, loads: AnyArray, step: float) -> list[list[float]]:
     """Times (ns) and loads where they have changed by a share, and where each stroke begins."""
     changes: list[list[float]] = []
     known = np.flatnonzero(np.isfinite(loads))

@@ -6,20 +6,22 @@ A glyph lives in an em square of 1024 units with y upwards. Its lower left corne
 
 from __future__ import annotations
 
-import itertools
 import json
-import math
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray, as_array
+from paint3d.calligraphy.polyline import bezier_points
+from paint3d.core.arrays import as_array
 from paint3d.errors import InputError
+
+if TYPE_CHECKING:
+    from shapely import MultiPolygon, Polygon
 
 __all__ = [
     "DESCENDER",
@@ -128,6 +130,13 @@ class GlyphStroke:
     dryness: tuple[float, ...] = ()
     strength: float = 1.0
 
+    def polygon(self) -> Polygon | MultiPolygon:
+        """The region that it fills; repaired where its outline crosses itself."""
+        import shapely
+
+        area = shapely.Polygon(self.outline, self.holes)
+        return area if area.is_valid else area.buffer(0.0)
+
 
 @dataclass(frozen=True, eq=False)
 class Glyph:
@@ -232,7 +241,9 @@ def flatten_path(path: str, name: str = "path") -> NDArray[np.float64]:
         per = _NUMBERS[command] // 2
         for first in range(0, len(pairs), per or 1):
             controls = pairs[first : first + per]
-            points.extend(_curve(points[-1], controls) if per > 1 else controls)
+            curved = per > 1
+            hull = np.vstack([points[-1], controls]) if curved else controls
+            points.extend(bezier_points(hull, _FLATNESS) if curved else controls)
     polygon = np.array(points, np.float64).reshape(-1, 2)
     if len(polygon):
         polygon = polygon[np.any(polygon != np.roll(polygon, 1, axis=0), axis=1)]
@@ -243,16 +254,3 @@ def flatten_path(path: str, name: str = "path") -> NDArray[np.float64]:
             n=len(polygon),
         )
     return polygon
-
-
-def _curve(start: AnyArray, controls: AnyArray) -> NDArray[np.float64]:
-    """Points of a quadratic or cubic Bezier curve after its start."""
-    hull: AnyArray | list[AnyArray] = np.vstack([start, controls])
-    bend = np.linalg.norm(np.diff(hull, n=2, axis=0), axis=1).max()
-    degree = len(controls)
-    n = max(1, math.ceil(math.sqrt(degree * (degree - 1) * bend / (8.0 * _FLATNESS))))
-    t = np.linspace(0.0, 1.0, n + 1)[1:, None]
-    while len(hull) > 1:
-        hull = [(1.0 - t) * a + t * b for a, b in itertools.pairwise(hull)]
-    result: NDArray[np.float64] = hull[0]
-    return result

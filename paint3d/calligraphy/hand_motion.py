@@ -10,13 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.tuft import Tuft
-from paint3d.calligraphy.timing import Motion, Tempo, least_jerk
+from paint3d.calligraphy.timing import Motion, Tempo, minimum_jerk
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import quaternions_from_matrices, rotate, slerp
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceChart
 
-__all__ = ["HandMotion", "join_motions", "root_stretch", "to_hand_motion", "travel"]
+__all__ = ["HandMotion", "join_motions", "move_between", "root_stretch", "to_hand_motion"]
 
 _PEAK = 1.875  # of a least-jerk move's speed over its mean
 _PEAK_ACCELERATION = 5.78  # of a least-jerk move: times length over time squared
@@ -109,7 +109,7 @@ def root_stretch(points: NDArray[np.float64], normals: NDArray[np.float64], tuft
     return most
 
 
-def travel(
+def move_between(
     start: HandMotion, end: HandMotion, surface: ClosestPoints, tuft: Tuft, tempo: Tempo
 ) -> HandMotion:
     """The way from the last pose of one motion to the first of the next, clear of the object.
@@ -125,21 +125,23 @@ def travel(
     t = np.linspace(0.0, 1.0, 33)
     for _ in range(_MOST_RAISES):
         path = _arc(first, last, arc * outward, t)
-        z = _turned(start, end, t, (0.0, 0.0, 1.0))
-        if _clear(surface, path - tuft.length * z, path, 0.4 * tempo.dip_mm):
+        z = _axes_between(start, end, t, (0.0, 0.0, 1.0))
+        if _is_clear(surface, path - tuft.length * z, path, 0.4 * tempo.dip_mm):
             break
         arc = 1.5 * arc + 2.0
-    n = max(3, math.ceil(_seconds(span, arc, start, end, tempo) * tempo.rate_hz))
+    n = max(3, math.ceil(_move_seconds(span, arc, start, end, tempo) * tempo.rate_hz))
     t = np.arange(1, n) / n
     return HandMotion(
         _arc(first, last, arc * outward, t),
-        slerp(*_ends(start, end, n - 1), least_jerk(t)),
+        slerp(*_repeat_ends(start, end, n - 1), minimum_jerk(t)),
         np.zeros(n - 1),
         np.zeros(n - 1, np.int32),
     )
 
 
-def _seconds(span: float, arc: float, start: HandMotion, end: HandMotion, tempo: Tempo) -> float:
+def _move_seconds(
+    span: float, arc: float, start: HandMotion, end: HandMotion, tempo: Tempo
+) -> float:
     """Time that a way takes: as fast as the limits allow but not in a hurry."""
     cosine = abs(float(start.orientation[-1] @ end.orientation[0]))
     turn = 2.0 * math.acos(min(1.0, cosine))
@@ -156,21 +158,21 @@ def _seconds(span: float, arc: float, start: HandMotion, end: HandMotion, tempo:
 
 def _arc(first: AnyArray, last: AnyArray, rise: AnyArray, t: AnyArray) -> AnyArray:
     bump = 64.0 * (t * (1.0 - t)) ** 3
-    result: AnyArray = first + least_jerk(t)[:, None] * (last - first) + bump[:, None] * rise
+    result: AnyArray = first + minimum_jerk(t)[:, None] * (last - first) + bump[:, None] * rise
     return result
 
 
-def _ends(start: HandMotion, end: HandMotion, n: int) -> tuple[AnyArray, AnyArray]:
+def _repeat_ends(start: HandMotion, end: HandMotion, n: int) -> tuple[AnyArray, AnyArray]:
     return np.tile(start.orientation[-1], (n, 1)), np.tile(end.orientation[0], (n, 1))
 
 
-def _turned(
+def _axes_between(
     start: HandMotion, end: HandMotion, t: AnyArray, axis: tuple[float, float, float]
 ) -> AnyArray:
-    return rotate(slerp(*_ends(start, end, len(t)), least_jerk(t)), np.array(axis))
+    return rotate(slerp(*_repeat_ends(start, end, len(t)), minimum_jerk(t)), np.array(axis))
 
 
-def _clear(surface: ClosestPoints, tips: AnyArray, roots: AnyArray, least: float) -> bool:
+def _is_clear(surface: ClosestPoints, tips: AnyArray, roots: AnyArray, least: float) -> bool:
     """Return whether a tuft on its way stays outside of the object and off it."""
     for points in (tips, 0.5 * (tips + roots), roots):
         found = surface.find(points)

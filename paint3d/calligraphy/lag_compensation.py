@@ -22,12 +22,12 @@ from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.core.arrays import AnyArray
 
-__all__ = ["TRIALS", "Lead", "Pulled", "pull", "pulled_on"]
+__all__ = ["TRIALS", "DraggedPath", "Lead", "pull", "refine_pull"]
 
 _ROUNDS = 3  # of fitting footprints and pulling them along: the slack depends on the footprint
 _FOLLOWS = 0.7  # share of a change of levels that a round follows
 _MADE_UP = 0.8  # share of what the paper holds a tip aside that the handle makes up for
-_TRIES = ((1.0, 0.7), (0.5, 0.5), (1.0, 0.4))  # of `pulled_on`: made up for, and followed
+_TRIES = ((1.0, 0.7), (0.5, 0.5), (1.0, 0.4))  # of `refine_pull`: made up for, and followed
 TRIALS = len(_TRIES)
 _SETTLING = 6.0  # slacks of way in which the light tip turns into the direction it is pulled
 _EVENED = 2.0  # poses over which the handle makes up for a tip that is held aside
@@ -58,8 +58,8 @@ class Lead(NamedTuple):
     level: NDArray[np.float64]
 
 
-class Pulled(NamedTuple):
-    """A dragged course of N poses as it lies by the laws; see `StrokePath`."""
+class DraggedPath(NamedTuple):
+    """A dragged path of N poses as it lies by the laws; see `StrokePath`."""
 
     handle: NDArray[np.float64]
     azimuth: NDArray[np.float64]
@@ -68,34 +68,34 @@ class Pulled(NamedTuple):
     share: NDArray[np.float64]
 
 
-def pull(lead: Lead) -> Pulled:
+def pull(lead: Lead) -> DraggedPath:
     """Lead the brush so that its footprints' centres follow a line."""
     light = _light_poses(lead.wanted, float(lead.footprints.slack[0]))
-    level, aside = _steady(np.where(light, 0.0, lead.level)), np.zeros_like(lead.wanted)
+    level, aside = _smooth_levels(np.where(light, 0.0, lead.level)), np.zeros_like(lead.wanted)
     for _ in range(_ROUNDS):
-        course, free = _laid(_led(lead, level, aside), level, lead)
-        aside = _MADE_UP * _aside(course, free)
-        level = level + _FOLLOWS * (_fitting(course, light, lead) - level)
-    return _laid(course.handle, level, lead)[0]
+        path, free = _lay_poses(_lead_handle(lead, level, aside), level, lead)
+        aside = _MADE_UP * _tip_offsets(path, free)
+        level = level + _FOLLOWS * (_fit_levels(path, light, lead) - level)
+    return _lay_poses(path.handle, level, lead)[0]
 
 
-def pulled_on(lead: Lead, course: Pulled, trial: int) -> Iterator[Pulled]:
-    """Courses that go on from one; the handle makes up for what the paper holds the tip aside.
+def refine_pull(lead: Lead, path: DraggedPath, trial: int) -> Iterator[DraggedPath]:
+    """Paths that go on from one; the handle makes up for what the paper holds the tip aside.
 
     None of them is the better for sure: see which covers most. There are three trials, from 0.
     """
     made_up, follows = _TRIES[trial]
     light = _light_poses(lead.wanted, float(lead.footprints.slack[0]))
-    level = course.level
-    course, free = _laid(course.handle, level, lead)
+    level = path.level
+    path, free = _lay_poses(path.handle, level, lead)
     for _ in range(_ROUNDS):
-        aside = made_up * _aside(course, free)
-        course, free = _laid(_led(lead, level, aside), level, lead)
-        level = level + follows * (_fitting(course, light, lead) - level)
-        yield _laid(course.handle, level, lead)[0]
+        aside = made_up * _tip_offsets(path, free)
+        path, free = _lay_poses(_lead_handle(lead, level, aside), level, lead)
+        level = level + follows * (_fit_levels(path, light, lead) - level)
+        yield _lay_poses(path.handle, level, lead)[0]
 
 
-def _led(lead: Lead, level: AnyArray, aside: AnyArray) -> NDArray[np.float64]:
+def _lead_handle(lead: Lead, level: AnyArray, aside: AnyArray) -> NDArray[np.float64]:
     """Places of the handle (N, 2), mm, so that footprints that are free follow the line."""
     reach, slack = lead.footprints.centroid_at(level), lead.footprints.slack_at(level)
     ahead = np.minimum(reach, (1.0 - _SHORTEST) * slack)
@@ -104,20 +104,20 @@ def _led(lead: Lead, level: AnyArray, aside: AnyArray) -> NDArray[np.float64]:
     return result
 
 
-def _aside(course: Pulled, free: AnyArray) -> NDArray[np.float64]:
+def _tip_offsets(path: DraggedPath, free: AnyArray) -> NDArray[np.float64]:
     """Offsets (N, 2), mm, by which the paper holds footprints off where they would be free."""
-    off, ahead = course.centre - free, free - course.handle
+    off, ahead = path.centre - free, free - path.handle
     along = (off * ahead).sum(axis=1) / np.maximum((ahead**2).sum(axis=1), 1e-18)
     off = off - along[:, None] * ahead
     aside: NDArray[np.float64] = gaussian_filter1d(off, _EVENED, axis=0, mode="nearest")
     return aside
 
 
-def _fitting(course: Pulled, light: NDArray[np.bool_], lead: Lead) -> NDArray[np.float64]:
-    """Levels (N,) that fit where a course lies."""
-    fitting = np.empty(len(course.level))
-    kernels.fit_levels(lead.target, course.centre, course.azimuth, course.share, fitting)
-    return _steady(np.where(light, np.minimum(fitting, 0.0), fitting))
+def _fit_levels(path: DraggedPath, light: NDArray[np.bool_], lead: Lead) -> NDArray[np.float64]:
+    """Levels (N,) that fit where a path lies."""
+    fitting = np.empty(len(path.level))
+    kernels.fit_levels(lead.target, path.centre, path.azimuth, path.share, fitting)
+    return _smooth_levels(np.where(light, np.minimum(fitting, 0.0), fitting))
 
 
 def _light_poses(wanted: AnyArray, slack: float) -> NDArray[np.bool_]:
@@ -148,7 +148,9 @@ def _follow(line: AnyArray, slack: AnyArray, start: float) -> NDArray[np.float64
     return result
 
 
-def _laid(handle: AnyArray, level: AnyArray, lead: Lead) -> tuple[Pulled, NDArray[np.float64]]:
+def _lay_poses(
+    handle: AnyArray, level: AnyArray, lead: Lead
+) -> tuple[DraggedPath, NDArray[np.float64]]:
     """Poses of footprints by the laws, and their centres (N, 2), mm, if their tips were free."""
     footprints = lead.footprints
     bend = _follow(handle, footprints.slack_at(level), lead.start)
@@ -160,10 +162,10 @@ def _laid(handle: AnyArray, level: AnyArray, lead: Lead) -> tuple[Pulled, NDArra
     middle, under = footprints.centroid_at(level) - heel, handle + heel[:, None] * bend
     turned = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
     centre = under + (middle * share)[:, None] * turned
-    return Pulled(handle, azimuth, centre, level, share), under + middle[:, None] * bend
+    return DraggedPath(handle, azimuth, centre, level, share), under + middle[:, None] * bend
 
 
-def _steady(level: AnyArray) -> NDArray[np.float64]:
+def _smooth_levels(level: AnyArray) -> NDArray[np.float64]:
     """Levels that rise and fall gently and stay on the paper; never above what fits."""
     most = np.maximum(level, 0.0)
     low = minimum_filter1d(most, 7, mode="nearest")

@@ -13,7 +13,7 @@ import unicodedata
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from itertools import product
+from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,17 +35,19 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
     "LAYOUTS",
-    "Ground",
+    "LEAST_EM_MM",
+    "MOST_EM_MM",
     "Layout",
     "PlacedCharacter",
+    "WritingArea",
+    "find_writing_areas",
     "frames_to_try",
-    "grounds_of",
     "layout_text",
     "places_for",
     "split_text",
     "upright_frame",
     "walking_step",
-    "with_remedy",
+    "with_suggestion",
 ]
 
 # ---- Places to try -------------------------------------------------------------------------------
@@ -104,10 +106,10 @@ def frames_to_try(surface: ClosestPoints, side: str | None) -> Iterator[SurfaceF
             except MeshError:
                 continue
     if side is None:
-        yield from _scattered(surface)
+        yield from _scatter_frames(surface)
 
 
-def _scattered(surface: ClosestPoints) -> Iterator[SurfaceFrame]:
+def _scatter_frames(surface: ClosestPoints) -> Iterator[SurfaceFrame]:
     """Frames spread over the surface by area, from triangle to triangle in the mesh's order."""
     mesh = surface.mesh
     corners = mesh.vertices[mesh.faces].astype(np.float64)
@@ -128,6 +130,8 @@ def _scattered(surface: ClosestPoints) -> Iterator[SurfaceFrame]:
 
 
 LAYOUTS = ("columns", "row")
+LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
+"""Range of sizes of text, mm."""
 
 _TOUCHING = 0.004  # of the em: squares that share this much do not overlap
 _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
@@ -187,7 +191,7 @@ class Layout:
 
 
 @dataclass(frozen=True, eq=False)
-class Ground:
+class WritingArea:
     """A surface to write on.
 
     Attributes
@@ -223,14 +227,16 @@ class Ground:
         return Upright(upwards(normal), self.apex, math.radians(layout.turn))
 
 
-def grounds_of(surface: ClosestPoints, layout: Layout) -> tuple[tuple[Ground, ...], Layout]:
+def find_writing_areas(
+    surface: ClosestPoints, layout: Layout
+) -> tuple[tuple[WritingArea, ...], Layout]:
     """Surfaces that a text may be laid on, in the order in which they are filled, with the layout.
 
     Where it is said where the text goes, margins are the writer's own affair, and of several panels
     it is the nearest.
     """
     if sheet_of(surface.mesh) is None:
-        return (Ground(surface),), layout
+        return (WritingArea(surface),), layout
     panels = _panels(surface.mesh, not layout.is_placed)
     if not layout.is_placed or len(panels) == 1:
         return panels, layout
@@ -257,18 +263,18 @@ def places_for(
     InputError, MeshError
         See `place`.
     """
-    grounds, layout = grounds_of(surface, Layout(at=at, side=side))
+    areas, layout = find_writing_areas(surface, Layout(at=at, side=side))
     if layout.is_placed:
-        yield grounds[0].middle(layout)
+        yield areas[0].middle(layout)
         return
-    for ground in grounds:
-        yield from frames_to_try(ground.surface, side)
+    for area in areas:
+        yield from frames_to_try(area.surface, side)
 
 
 @lru_cache(maxsize=8)
-def _panels(mesh: TriangleMesh, within_margins: bool) -> tuple[Ground, ...]:
+def _panels(mesh: TriangleMesh, within_margins: bool) -> tuple[WritingArea, ...]:
     areas = writing_areas(mesh, within_margins)
-    return tuple(Ground(ClosestPoints(area.mesh), area.apex) for area in areas)
+    return tuple(WritingArea(ClosestPoints(area.mesh), area.apex) for area in areas)
 
 
 # ---- Characters in their places ------------------------------------------------------------------
@@ -341,32 +347,32 @@ def layout_text(
         )
     lines = split_text(text)
     limits = limits or SquareLimits()
-    grounds, layout = grounds_of(surface, layout)
-    if len(grounds) == 1:
-        return _laid_on(grounds[0], lines, em_mm, layout, limits)
+    areas, layout = find_writing_areas(surface, layout)
+    if len(areas) == 1:
+        return _lay_on(areas[0], lines, em_mm, layout, limits)
     if len(lines) == 1:  # a couplet's halves
-        half = -(-len(lines[0]) // len(grounds))
+        half = -(-len(lines[0]) // len(areas))
         lines = [lines[0][k : k + half] for k in range(0, len(lines[0]), half)]
-    parts = np.array_split(np.array(lines, dtype=object), len(grounds))
+    parts = np.array_split(np.array(lines, dtype=object), len(areas))
     return [
         placed
-        for ground, part in zip(grounds, parts, strict=True)
+        for area, part in zip(areas, parts, strict=True)
         if len(part)
-        for placed in _laid_on(ground, list(part), em_mm, layout, limits)
+        for placed in _lay_on(area, list(part), em_mm, layout, limits)
     ]
 
 
-def _laid_on(
-    ground: Ground, lines: Sequence[str], em_mm: float, layout: Layout, limits: SquareLimits
+def _lay_on(
+    area: WritingArea, lines: Sequence[str], em_mm: float, layout: Layout, limits: SquareLimits
 ) -> list[PlacedCharacter]:
     """The squares of a text's lines on one surface."""
     fixed = layout.is_placed or layout.around
     fault: Paint3DError
     try:
         if layout.is_placed:
-            grid = _Grid(ground, em_mm, layout, limits, ground.middle(layout))
+            grid = _Grid(area, em_mm, layout, limits, area.middle(layout))
         else:
-            grid = _middle_grid(ground, em_mm, layout, limits)
+            grid = _middle_grid(area, em_mm, layout, limits)
     except MeshError as cause:
         fault = cause
     else:
@@ -374,28 +380,28 @@ def _laid_on(
         if squares is not None:
             return squares
         fits = grid.how_many(lines)
-        fault = _too_long(grid, lines, fits)
+        fault = _too_long_error(grid, lines, fits)
         fixed = fixed or fits > 0
     if fixed and isinstance(fault, MeshError):
 
         def lies(em_mm: float, layout: Layout) -> bool:
-            grid = _Grid(ground, em_mm, layout, limits, ground.middle(layout))
+            grid = _Grid(area, em_mm, layout, limits, area.middle(layout))
             return grid.fit(lines) is not None
 
-        raise with_remedy(fault, em_mm, layout, lies)
+        raise with_suggestion(fault, em_mm, layout, lies)
     if fixed:
         raise fault
-    return _searched(ground, lines, em_mm, layout, limits, fault)
+    return _search_places(area, lines, em_mm, layout, limits, fault)
 
 
 @lru_cache(maxsize=1)
-def _middle_grid(ground: Ground, em_mm: float, layout: Layout, limits: SquareLimits) -> _Grid:
+def _middle_grid(area: WritingArea, em_mm: float, layout: Layout, limits: SquareLimits) -> _Grid:
     """The grid around the middle; the last is kept, as texts on one object often follow."""
-    return _Grid(ground, em_mm, layout, limits, ground.middle(layout))
+    return _Grid(area, em_mm, layout, limits, area.middle(layout))
 
 
-def _searched(
-    ground: Ground,
+def _search_places(
+    area: WritingArea,
     lines: Sequence[str],
     em_mm: float,
     layout: Layout,
@@ -405,14 +411,14 @@ def _searched(
     """The squares of a text at the first place where it fits; the middle has that fault."""
     roomiest: _Grid | None = None
     n_seen = n_tried = 0
-    for frame in frames_to_try(ground.surface, layout.side):
+    for frame in frames_to_try(area.surface, layout.side):
         n_seen += 1
         try:
-            if layout.turn or ground.apex is not None:
-                up = ground.upright(frame.normal, layout)
-                frame = upright_frame(ground.surface, frame.origin, up)
-            lay_square(ground.surface, frame, em_mm, limits)
-            grid = _Grid(ground, em_mm, layout, limits, frame)
+            if layout.turn or area.apex is not None:
+                up = area.upright(frame.normal, layout)
+                frame = upright_frame(area.surface, frame.origin, up)
+            lay_square(area.surface, frame, em_mm, limits)
+            grid = _Grid(area, em_mm, layout, limits, frame)
         except MeshError:
             continue
         squares = grid.fit(lines)
@@ -427,10 +433,10 @@ def _searched(
         raise type(fault)(
             Message("{cause}; {n} other places were no better", cause=fault, n=n_seen)
         ) from None
-    raise _too_long(roomiest, lines, roomiest.how_many(lines))
+    raise _too_long_error(roomiest, lines, roomiest.how_many(lines))
 
 
-def with_remedy(
+def with_suggestion(
     fault: InputError, em_mm: float, layout: Layout, fits: Callable[[float, Layout], bool]
 ) -> InputError:
     """A fault with a smaller size, and a place beside the one asked for, at which a text fits.
@@ -448,35 +454,35 @@ def with_remedy(
     if layout.point is not None:
         return fault
 
-    def does(em_mm: float, layout: Layout) -> bool:
+    def does_fit(em_mm: float, layout: Layout) -> bool:
         try:
             return fits(em_mm, layout)
         except InputError:
             return False
 
     sizes = [float(f"{em_mm * share:.2g}") for share in _SMALLER_SHARES]
-    smaller = next((size for size in sizes if does(size, layout)), None)
+    smaller = next((size for size in sizes if does_fit(size, layout)), None)
     places = []
     if layout.at is not None:
         u, v = layout.at
         places = [(round((u + turn) % 1.0, 3), v) for turn in _TURNS_ASIDE]
-    other = next((at for at in places if does(em_mm, replace(layout, at=at))), None)
+    other = next((at for at in places if does_fit(em_mm, replace(layout, at=at))), None)
     if smaller is None and other is None:
         return fault
     if other is None:
         told = Message(
-            "{cause}; a size of {smaller:g} mm would do", cause=fault.message, smaller=smaller
+            "{cause}; a size of {smaller:g} mm would fit", cause=fault.message, smaller=smaller
         )
     elif smaller is None:
         told = Message(
-            "{cause}; this size would do at {u:g},{v:g}",
+            "{cause}; this size would fit at {u:g},{v:g}",
             cause=fault.message,
             u=other[0],
             v=other[1],
         )
     else:
         told = Message(
-            "{cause}; a size of {smaller:g} mm would do, and this size at {u:g},{v:g}",
+            "{cause}; a size of {smaller:g} mm would fit, and this size at {u:g},{v:g}",
             cause=fault.message,
             smaller=smaller,
             u=other[0],
@@ -485,7 +491,7 @@ def with_remedy(
     return type(fault)(told, hint=fault.hint)
 
 
-def _too_long(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
+def _too_long_error(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
     smaller = grid.smaller(lines, fits)
     fields: dict[str, object] = {
         "n": sum(map(len, lines)),
@@ -514,17 +520,17 @@ class _Grid:
 
     def __init__(
         self,
-        ground: Ground,
+        area: WritingArea,
         em_mm: float,
         layout: Layout,
         limits: SquareLimits,
         middle: SurfaceFrame,
     ) -> None:
-        self.ground, self.surface = ground, (surface := ground.surface)
+        self.area, self.surface = area, (surface := area.surface)
         self.em_mm, self.layout, self.limits = em_mm, layout, limits
         self.middle = middle
         self._climbed: dict[float, SurfaceLine] = {}
-        self.up = ground.upright(middle.normal, layout)
+        self.up = area.upright(middle.normal, layout)
         self.right = self._walk(self.middle, (1.0, 0.0), None)
         self.left = self._walk(self.middle, (-1.0, 0.0), None)
         if layout.around and not self.right.closed:
@@ -532,6 +538,7 @@ class _Grid:
                 "{object}: the level line of the place does not come back to its start; expected a "
                 "body that can be written around",
                 object=surface.mesh.name,
+                hint="where it lies on its side, --up says which axis of the file points up",
             )
         gaps = (layout.gap, layout.between)
         gaps = gaps if layout.order == "columns" else gaps[::-1]
@@ -576,13 +583,13 @@ class _Grid:
         known, step = start, 0.5 * self.em_mm
         while step > self.em_mm / 50.0:
             distance = sign * known + step
-            if distance < 0.0 or (line.reaches(distance) and self._usable(line.at(distance))):
+            if distance < 0.0 or (line.reaches(distance) and self._is_usable(line.at(distance))):
                 known += sign * step
             else:
                 step *= 0.5
         return known
 
-    def _usable(self, point: AnyArray) -> bool:
+    def _is_usable(self, point: AnyArray) -> bool:
         try:
             self._square(point)
         except MeshError:
@@ -643,7 +650,7 @@ class _Grid:
                 continue
             em_mm = float(f"{self.em_mm * 0.9**step:.2g}")
             try:
-                grid = _Grid(self.ground, em_mm, self.layout, self.limits, self.middle)
+                grid = _Grid(self.area, em_mm, self.layout, self.limits, self.middle)
                 if grid.fit(lines) is not None:
                     return em_mm
             except MeshError:
@@ -680,13 +687,17 @@ class _Grid:
         pitch = self.pitch.copy()
         if self.layout.around:
             pitch[0] = self.right.length / wide
-        sample = [_Cell("", x, y) for x in range(min(wide, 2)) for y in {0, 1, tall - 1} - {tall}]
+        deepest = tall  # that two neighbours reach: long columns and short ones may take turns
+        if self.layout.order == "columns" and wide > 1:
+            deepest = max(map(min, pairwise(map(len, lines))))
+        rows = {0, min(1, deepest - 1), deepest - 1}
+        sample = [_Cell("", x, y) for x in range(min(wide, 2)) for y in sorted(rows)]
         while self._has_room(shape, pitch) and pitch.max() <= widest * self.em_mm * self._loose:
             try:
-                apart = self._overlaps(sample, self._placed(sample, shape, pitch), wide)
+                apart = self._overlaps(sample, self._place_cells(sample, shape, pitch), wide)
                 if not apart.any():
                     cells = self._cells(lines)
-                    placed = self._placed(cells, shape, pitch)
+                    placed = self._place_cells(cells, shape, pitch)
                     apart = self._overlaps(cells, placed, wide)
             except MeshError:
                 return None
@@ -712,7 +723,7 @@ class _Grid:
                 cells.append(_Cell(text, *at, k))
         return cells
 
-    def _placed(
+    def _place_cells(
         self, cells: Sequence[_Cell], shape: tuple[int, int], pitch: AnyArray
     ) -> list[EmSquare]:
         """The squares of cells of a grid; MeshError where one cannot be laid."""

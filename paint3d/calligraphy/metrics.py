@@ -79,20 +79,20 @@ def copybook_mask(
         rings = [outline, *(holes[k] if k < len(holes) else ())]
         points = [as_array(ring, f"outline {k + 1}", (None, 2)) for ring in rings]
         if len(points) == 1:
-            _fill(points[0], em_mm, fine)
+            _fill_polygon(points[0], em_mm, fine)
             continue
         whole, left_out = np.zeros_like(fine), np.zeros_like(fine)
-        _fill(points[0], em_mm, whole)
+        _fill_polygon(points[0], em_mm, whole)
         for ring in points[1:]:
-            _fill(ring, em_mm, left_out)
+            _fill_polygon(ring, em_mm, left_out)
         fine |= whole & ~left_out
-    return _shares(fine) >= 0.5
+    return _pixel_means(fine) >= 0.5
 
 
-def _fill(points: AnyArray, em_mm: float, fine: NDArray[np.bool_]) -> None:
+def _fill_polygon(points: AnyArray, em_mm: float, fine: NDArray[np.bool_]) -> None:
     """Set the samples inside a polygon."""
     if len(points) > 2:
-        raster.fill_polygon(_in_samples(points, em_mm), fine)
+        raster.fill_polygon(_to_samples(points, em_mm), fine)
 
 
 def painted_mask(
@@ -126,8 +126,8 @@ def painted_mask(
         )
     fine = np.zeros((_SIDE * SAMPLES, _SIDE * SAMPLES), np.float32)
     touched = faces[(coverage[faces] > 0.0).any(axis=1)]
-    raster.fill_triangles(_in_samples(points, em_mm), coverage, touched, fine)
-    return _shares(fine) >= 0.5
+    raster.fill_triangles(_to_samples(points, em_mm), coverage, touched, fine)
+    return _pixel_means(fine) >= 0.5
 
 
 def compare(painted: NDArray[np.bool_], wanted: NDArray[np.bool_]) -> Likeness:
@@ -158,12 +158,12 @@ def compare(painted: NDArray[np.bool_], wanted: NDArray[np.bool_]) -> Likeness:
     )
 
 
-def _in_samples(points: AnyArray, em_mm: float) -> NDArray[np.float64]:
+def _to_samples(points: AnyArray, em_mm: float) -> NDArray[np.float64]:
     scale = PIXELS * SAMPLES / as_number(em_mm, "em (mm)", low=1e-6)
     return np.ascontiguousarray(points * scale + MARGIN * SAMPLES)
 
 
-def _shares(fine: AnyArray) -> NDArray[np.float32]:
+def _pixel_means(fine: AnyArray) -> NDArray[np.float32]:
     """Mean over each pixel's samples."""
     blocks = fine.reshape(_SIDE, SAMPLES, _SIDE, SAMPLES)
     result: NDArray[np.float32] = blocks.mean(axis=(1, 3), dtype=np.float32)
@@ -177,7 +177,7 @@ def _cut_out(a: AnyArray, b: AnyArray) -> tuple[AnyArray, AnyArray]:
     return a[kept], b[kept]
 
 
-def _edge(mask: AnyArray) -> NDArray[np.bool_]:
+def _edge_pixels(mask: AnyArray) -> NDArray[np.bool_]:
     from scipy.ndimage import binary_erosion  # a quarter of a second, and only who compares waits
 
     result: NDArray[np.bool_] = mask & ~binary_erosion(mask)
@@ -188,7 +188,7 @@ def _hausdorff95(a: AnyArray, b: AnyArray) -> float:
     """Pixels: 95 % of each edge lie nearer than this to the other edge."""
     from scipy.ndimage import distance_transform_edt
 
-    one, two = _edge(a), _edge(b)
+    one, two = _edge_pixels(a), _edge_pixels(b)
     there = np.percentile(distance_transform_edt(~two)[one], 95.0)
     back = np.percentile(distance_transform_edt(~one)[two], 95.0)
     return float(max(there, back))

@@ -1,7 +1,7 @@
-"""Following a centre line: the course of the brush that covers most of the outline along it.
+"""Following a centre line: the path of the brush that covers most of the outline along it.
 
 Dynamic programming picks the bend directions, trading the width left bare against a trailing tip
-and calm turns; the course is smoothed, balanced between both edges, and the pressure limited again
+and calm turns; the path is smoothed, balanced between both edges, and the pressure limited again
 at every pose, so that nothing leaves the outline.
 """
 
@@ -14,14 +14,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, minimum_filter1d
 
-from paint3d.calligraphy.centre_line import CentreLine, OutlineField, smoothed
+from paint3d.calligraphy.centre_line import CentreLine, OutlineField, smooth_along
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
-from paint3d.calligraphy.lag_compensation import TRIALS, Lead, Pulled, pull, pulled_on
+from paint3d.calligraphy.lag_compensation import TRIALS, DraggedPath, Lead, pull, refine_pull
+from paint3d.calligraphy.polyline import arc_lengths
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
-__all__ = ["TECHNIQUES", "Followed", "PathFitter", "PlanSettings", "StrokePath"]
+__all__ = ["TECHNIQUES", "FittedLine", "PathFitter", "PlanSettings", "StrokePath"]
 
 # ---- Settings ------------------------------------------------------------------------------------
 # How strokes are planned.
@@ -106,9 +107,9 @@ class PlanSettings:
 
 
 _CALM = 3  # samples to either side that levels are smoothed over
-_CALM_WIDTHS = 0.2  # that chosen courses are smoothed over
+_CALM_WIDTHS = 0.2  # that chosen paths are smoothed over
 _ALIKE = 1e-9  # mm, or rad: samples no farther apart are the same
-_SPAN = 0.12  # of the width: how far a course steps aside to lie in the middle
+_SPAN = 0.12  # of the width: how far a path steps aside to lie in the middle
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,7 +141,7 @@ class StrokePath:
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class FittedLine:
     """A line and what comes of following it.
 
     Attributes
@@ -153,7 +154,7 @@ class Followed:
         Azimuth, rad, and side step, mm.
     shift : (S,) float64
         The side steps balanced between both edges, mm.
-    course : StrokePath or None
+    path : StrokePath or None
         None: nothing fits.
     bare : (H, W) bool
         What it leaves bare, on the outline's grid.
@@ -163,13 +164,13 @@ class Followed:
     gap: NDArray[np.float64]
     chosen: NDArray[np.float64]
     shift: NDArray[np.float64]
-    course: StrokePath | None
+    path: StrokePath | None
     bare: NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
 class PathFitter:
-    """Constants while one stroke's course is improved; see `plan_stroke`."""
+    """Constants while one stroke's path is improved; see `plan_stroke`."""
 
     field: OutlineField
     footprints: FootprintTable
@@ -186,34 +187,39 @@ class PathFitter:
             footprints.points, footprints.support, field.distance, field.grid, margin
         )
 
-    def follow(self, line: CentreLine, known: Followed | None = None) -> Followed:
-        """The course along a line; what is known of one that it shares samples with is kept."""
-        gap = _rated(line, self, known)
-        chosen = _chosen_course(line, gap, self)
-        shift = _balanced(line, self, chosen, known)
-        course, bare = self._fitted(line, chosen[:, 0], shift)
-        return Followed(line, gap, chosen, shift, course, bare)
+    def follow(self, line: CentreLine, known: FittedLine | None = None) -> FittedLine:
+        """The path along a line; what is known of one that it shares samples with is kept."""
+        gap = _rate(line, self, known)
+        chosen = _choose_path(line, gap, self)
+        shift = _balance(line, self, chosen, known)
+        path, bare = self._fit(line, chosen[:, 0], shift)
+        return FittedLine(line, gap, chosen, shift, path, bare)
 
-    def _fitted(
+    def _fit(
         self, line: CentreLine, azimuth: AnyArray, shift: AnyArray
     ) -> tuple[StrokePath | None, NDArray[np.bool_]]:
-        """The course of the largest footprints that fit, and what it leaves bare."""
-        led = self._led(line, azimuth, shift)
+        """The path of the largest footprints that fit, and what it leaves bare."""
+        led = self._fit_footprints(line, azimuth, shift)
         if led is None:
             return None, self.field.inside
         centre, azimuth, level = led
         if self.settings.azimuth == "dragged":
-            course = _touched(*pull(self._lead(centre, azimuth, _calm(level))), self.footprints)
+            lead = self._lead(centre, azimuth, _smooth_levels(level))
+            path = _add_touch_and_lift(*pull(lead), self.footprints)
         else:
-            course = _course(centre, azimuth, _calm(level), self.footprints)
-        return course, self.field.inside & ~self._painted(course)
+            level = _smooth_levels(level)
+            bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
+            handle = centre - self.footprints.centroid_at(level)[:, None] * bend
+            whole = np.ones(len(level))
+            path = _add_touch_and_lift(handle, azimuth, centre, level, whole, self.footprints)
+        return path, self.field.inside & ~self._painted(path)
 
-    def _led(
+    def _fit_footprints(
         self, line: CentreLine, azimuth: AnyArray, shift: AnyArray
     ) -> tuple[AnyArray, AnyArray, AnyArray] | None:
         """Centres (N, 2), azimuths and levels (N,) of footprints that fit; None: there are none."""
-        shift = smoothed(shift[:, None], 0.5 * _calm_over(line))[:, 0]
-        centre, azimuth = _smooth_course(line, azimuth, shift, self.settings.pose_step * self.em_mm)
+        shift = smooth_along(shift[:, None], 0.5 * _smoothing_samples(line))[:, 0]
+        centre, azimuth = _smooth_path(line, azimuth, shift, self.settings.pose_step * self.em_mm)
         level = np.empty(len(centre))
         kernels.fit_levels(self.target, centre, azimuth, np.ones(len(centre)), level)
         kept = np.flatnonzero(level >= 0.0)
@@ -223,42 +229,42 @@ class PathFitter:
         start = float(azimuth[0]) if self.start is None else self.start
         return Lead(centre, self.footprints, self.target, start, level)
 
-    def _painted(self, course: StrokePath) -> NDArray[np.bool_]:
-        """Mask of what a course covers (H, W), on the outline's grid."""
+    def _painted(self, path: StrokePath) -> NDArray[np.bool_]:
+        """Mask of what a path covers (H, W), on the outline's grid."""
         painted = np.zeros(self.field.distance.shape, np.bool_)
         kernels.cover(
-            self.footprints.points, course.level, course.centre, course.azimuth, course.share,
+            self.footprints.points, path.level, path.centre, path.azimuth, path.share,
             self.field.grid, painted,
         )  # fmt: skip
         return painted
 
-    def finished(self, best: Followed) -> Followed:
-        """The same line, along which a dragged brush is led on while that betters the course."""
-        led = self._led(best.line, best.chosen[:, 0], best.shift)
-        if led is None or best.course is None or self.settings.azimuth != "dragged":
+    def refine_dragged(self, best: FittedLine) -> FittedLine:
+        """The same line, along which a dragged brush is led on while that betters the path."""
+        led = self._fit_footprints(best.line, best.chosen[:, 0], best.shift)
+        if led is None or best.path is None or self.settings.azimuth != "dragged":
             return best
-        lead, course, inside = self._lead(*led), best.course, self.field.inside
-        values = (course.handle, course.azimuth, course.centre, course.level, course.share)
-        found = Pulled(*(value[1:-1] for value in values))  # without its touch and its lift
-        least = int((self._painted(course) ^ inside).sum())
+        lead, path, inside = self._lead(*led), best.path, self.field.inside
+        values = (path.handle, path.azimuth, path.centre, path.level, path.share)
+        found = DraggedPath(*(value[1:-1] for value in values))  # without its touch and its lift
+        least = int((self._painted(path) ^ inside).sum())
         for trial in range(TRIALS):
-            for one in pulled_on(lead, found, trial):
-                tried = _touched(*one, self.footprints)
+            for one in refine_pull(lead, found, trial):
+                tried = _add_touch_and_lift(*one, self.footprints)
                 wrong = int((self._painted(tried) ^ inside).sum())
                 if wrong < least:
-                    found, course, least = one, tried, wrong
-        return replace(best, course=course, bare=inside & ~self._painted(course))
+                    found, path, least = one, tried, wrong
+        return replace(best, path=path, bare=inside & ~self._painted(path))
 
 
-def _rated(line: CentreLine, plan: PathFitter, known: Followed | None) -> NDArray[np.float64]:
+def _rate(line: CentreLine, fitter: PathFitter, known: FittedLine | None) -> NDArray[np.float64]:
     """The width that every direction and side step leaves bare at every sample (S, A, O), mm."""
-    shifts = np.array(plan.settings.shifts)
-    gap = np.empty((len(line.points), plan.settings.n_directions, len(shifts)))
+    shifts = np.array(fitter.settings.shifts)
+    gap = np.empty((len(line.points), fitter.settings.n_directions, len(shifts)))
     new = slice(None)
     if known is not None:
-        new = _taken_over(gap, known.gap, _samples(line), _samples(known.line))
-    sparse = np.ascontiguousarray(plan.footprints.points[:, ::2])  # directions are only compared
-    target = plan.target._replace(points=sparse)
+        new = _copy_known(gap, known.gap, _samples(line), _samples(known.line))
+    sparse = np.ascontiguousarray(fitter.footprints.points[:, ::2])  # directions are only compared
+    target = fitter.target._replace(points=sparse)
     kernels.rate(target, line.points[new], line.headings[new], line.room[new], shifts, gap[new])
     return gap
 
@@ -268,7 +274,7 @@ def _samples(line: CentreLine) -> NDArray[np.float64]:
     return np.concatenate([line.points, line.normals, line.room], axis=1)
 
 
-def _taken_over(out: AnyArray, known: AnyArray, mine: AnyArray, theirs: AnyArray) -> slice:
+def _copy_known(out: AnyArray, known: AnyArray, mine: AnyArray, theirs: AnyArray) -> slice:
     """Copy the first and the last rows whose keys agree; the rows between, which are left."""
     n = min(len(mine), len(theirs))
     first, last = (
@@ -281,9 +287,9 @@ def _taken_over(out: AnyArray, known: AnyArray, mine: AnyArray, theirs: AnyArray
     return slice(first, len(out) - last)
 
 
-def _chosen_course(line: CentreLine, gap: AnyArray, plan: PathFitter) -> NDArray[np.float64]:
+def _choose_path(line: CentreLine, gap: AnyArray, fitter: PathFitter) -> NDArray[np.float64]:
     """The azimuth (rad) and the side step (mm) chosen for every sample of the line (S, 2)."""
-    settings = plan.settings
+    settings = fitter.settings
     n, shifts = settings.n_directions, np.array(settings.shifts)
     directions = 2.0 * np.pi * np.arange(n) / n
     ahead = directions[None, :] - line.headings[:, None]
@@ -294,11 +300,13 @@ def _chosen_course(line: CentreLine, gap: AnyArray, plan: PathFitter) -> NDArray
     angle, side = np.empty(len(gap), np.int64), np.empty(len(gap), np.int64)
     kernels.best_course(cost, turn, aside, 3, angle, side)
     steps = shifts[side] * line.room.min(axis=1)
-    return smoothed(np.stack([np.unwrap(directions[angle]), steps], axis=1), _calm_over(line))
+    return smooth_along(
+        np.stack([np.unwrap(directions[angle]), steps], axis=1), _smoothing_samples(line)
+    )
 
 
-def _calm_over(line: CentreLine) -> float:
-    """Over how many samples a chosen course is smoothed."""
+def _smoothing_samples(line: CentreLine) -> float:
+    """Over how many samples a chosen path is smoothed."""
     return _CALM_WIDTHS * line.width / line.step
 
 
@@ -312,39 +320,39 @@ def _cost_of_bend(ahead: AnyArray, settings: PlanSettings) -> NDArray[np.float64
     return settings.holding * (0.5 - 0.5 * off)
 
 
-def _balanced(
-    line: CentreLine, plan: PathFitter, chosen: AnyArray, known: Followed | None
+def _balance(
+    line: CentreLine, fitter: PathFitter, chosen: AnyArray, known: FittedLine | None
 ) -> NDArray[np.float64]:
     """Side steps (S,) near the chosen ones by which both edges are reached alike, mm."""
     azimuth, shift = chosen[:, 0].copy(), chosen[:, 1].copy()
     new = slice(None)
     if known is not None:
         mine, theirs = (
-            np.concatenate([_samples(one), course], axis=1)
-            for one, course in ((line, chosen), (known.line, known.chosen))
+            np.concatenate([_samples(one), path], axis=1)
+            for one, path in ((line, chosen), (known.line, known.chosen))
         )
-        new = _taken_over(shift, known.shift, mine, theirs)
+        new = _copy_known(shift, known.shift, mine, theirs)
     kernels.balance(
-        plan.target, line.points[new], line.headings[new], line.room[new], azimuth[new],
+        fitter.target, line.points[new], line.headings[new], line.room[new], azimuth[new],
         _SPAN * line.width, shift[new],
     )  # fmt: skip
     return shift
 
 
-def _smooth_course(
+def _smooth_path(
     line: CentreLine, azimuth: AnyArray, shift: AnyArray, step: float
 ) -> tuple[AnyArray, AnyArray]:
-    """Interpolate the chosen course at the final step: centres (N, 2) and azimuths (N,)."""
+    """Interpolate the chosen path at the final step: centres (N, 2) and azimuths (N,)."""
     centre = line.points + shift[:, None] * line.normals
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(centre, axis=0), axis=1))]
+    way = arc_lengths(centre)
     at = np.linspace(0.0, way[-1], max(8, math.ceil(way[-1] / step)) + 1)
     dense = [np.interp(at, way, values) for values in (centre[:, 0], centre[:, 1], azimuth)]
     sigma = line.step / step
-    smooth = smoothed(np.stack(dense, axis=1), sigma)
+    smooth = smooth_along(np.stack(dense, axis=1), sigma)
     return np.ascontiguousarray(smooth[:, :2]), np.ascontiguousarray(smooth[:, 2])
 
 
-def _calm(level: AnyArray) -> NDArray[np.float64]:
+def _smooth_levels(level: AnyArray) -> NDArray[np.float64]:
     """Smooth the levels from below: never above what fits."""
     low = minimum_filter1d(level, 2 * _CALM + 1, mode="nearest")
     calm = gaussian_filter1d(low, 0.5 * _CALM, truncate=2.0, mode="nearest")
@@ -352,16 +360,7 @@ def _calm(level: AnyArray) -> NDArray[np.float64]:
     return result
 
 
-def _course(
-    centre: AnyArray, azimuth: AnyArray, level: AnyArray, footprints: FootprintTable
-) -> StrokePath:
-    """Place the handle behind the footprints."""
-    bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
-    handle = centre - footprints.centroid_at(level)[:, None] * bend
-    return _touched(handle, azimuth, centre, level, np.ones(len(level)), footprints)
-
-
-def _touched(
+def _add_touch_and_lift(
     handle: AnyArray,
     azimuth: AnyArray,
     centre: AnyArray,

@@ -1,10 +1,10 @@
-"""Planning strokes: from an outline to the course of the brush that fills it.
+"""Planning strokes: from an outline to the path of the brush that fills it.
 
 The method is that of contained footprints. Along the stroke's centre line every bend direction is
 rated by how much of the width the largest footprint leaves bare that still lies within the outline;
-a course is chosen among them and followed (`path_fit`), and the line is then led into the largest
-corners that are still bare (`_into_corners`). The handle stands at P'_m, the foot of the root node,
-not at the footprint's centre.
+a path is chosen among them and followed (`path_fit`), and the line is then led into the largest
+corners that are still bare (`_lead_into_corners`). The handle stands at P'_m, the foot of the root
+node, not at the footprint's centre.
 """
 
 from __future__ import annotations
@@ -22,23 +22,20 @@ from paint3d.calligraphy.centre_line import (
     OutlineField,
     centre_line,
     grid_step,
-    measured,
+    measure_line,
     outline_field,
-    resampled,
 )
 from paint3d.calligraphy.dabs import dabs_in
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.calligraphy.kernels.raster import fill_depths, label_patches
-from paint3d.calligraphy.path_fit import TECHNIQUES, Followed, PathFitter, PlanSettings, StrokePath
+from paint3d.calligraphy.path_fit import FittedLine, PathFitter, PlanSettings, StrokePath
+from paint3d.calligraphy.polyline import resample
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
 __all__ = [
-    "TECHNIQUES",
     "Corner",
-    "PlanSettings",
-    "StrokePath",
     "corners_in",
     "detours_to",
     "on_paper",
@@ -118,17 +115,17 @@ def detours_to(
     """
     if not held:
         yield visiting(line, corner, field)
-        k, tip = _leaving(line, corner, field)
+        k, tip = _find_departure(line, corner, field)
         ahead = (corner.points - line.points[k]) @ (corner.middle - line.points[k])
         other = corner.points[int(np.argmax(ahead))]
         if np.linalg.norm(other - tip) > _OTHER_TIP * line.width:
-            yield _to(other, k, line, field)
+            yield _visit_point(other, k, line, field)
     nearest = int(np.argmin(np.linalg.norm(line.points - corner.middle, axis=1)))
     if held or min(nearest, len(line.points) - 1 - nearest) * line.step > _NEAR_END * line.width:
-        yield _bent(line, corner, nearest, field)
+        yield _bend_to(line, corner, nearest, field)
 
 
-def _bent(line: CentreLine, corner: Corner, nearest: int, field: OutlineField) -> CentreLine:
+def _bend_to(line: CentreLine, corner: Corner, nearest: int, field: OutlineField) -> CentreLine:
     """Bend a line out to a corner beside it and back, within about a width."""
     apart = np.linalg.norm(line.points - corner.middle, axis=1)
     along = (np.arange(len(apart)) - nearest) * line.step / line.width
@@ -136,17 +133,17 @@ def _bent(line: CentreLine, corner: Corner, nearest: int, field: OutlineField) -
     bump = np.exp(-0.5 * (along[near] / _BEND) ** 2)[:, None]
     bent = line.points[near] + bump * (corner.middle - line.points[nearest])
     before, after = line.points[: near[0]], line.points[near[-1] + 1 :]
-    points = np.concatenate([before, resampled(bent, line.step), after])
-    return measured(points, line.width, line.step, field)
+    points = np.concatenate([before, resample(bent, line.step, 5), after])
+    return measure_line(points, line.width, line.step, field)
 
 
 def visiting(line: CentreLine, corner: Corner, field: OutlineField) -> CentreLine:
     """Leave a line, where a disc on it reaches nearest to a corner, for its tip and come back."""
-    k, tip = _leaving(line, corner, field)
-    return _to(tip, k, line, field)
+    k, tip = _find_departure(line, corner, field)
+    return _visit_point(tip, k, line, field)
 
 
-def _leaving(
+def _find_departure(
     line: CentreLine, corner: Corner, field: OutlineField
 ) -> tuple[int, NDArray[np.float64]]:
     """The sample from which a corner is visited, and its point that is farthest from there."""
@@ -156,13 +153,15 @@ def _leaving(
     return k, corner.points[int(np.argmax(far))]
 
 
-def _to(tip: NDArray[np.float64], k: int, line: CentreLine, field: OutlineField) -> CentreLine:
+def _visit_point(
+    tip: NDArray[np.float64], k: int, line: CentreLine, field: OutlineField
+) -> CentreLine:
     """A line that goes from its k-th sample straight to a point, and back."""
     start = line.points[k]
     n = max(2, math.ceil(float(np.linalg.norm(tip - start)) / line.step))
     out = start + np.linspace(0.0, 1.0, n + 1)[:, None] * (tip - start)
     points = np.concatenate([line.points[:k], out, out[-2::-1], line.points[k + 1 :]])
-    return measured(points, line.width, line.step, field)
+    return measure_line(points, line.width, line.step, field)
 
 
 # ---- Planning ------------------------------------------------------------------------------------
@@ -215,21 +214,21 @@ def plan_glyph(
         return plan_stroke(outline, median, em_mm, footprints, settings, name, start, holes)
 
     numbers = range(len(glyph.strokes))
-    courses: list[StrokePath] = []
+    paths: list[StrokePath] = []
     if settings is not None and settings.azimuth == "dragged":  # the tuft lies as it was left
         for k in numbers:
-            courses.append(plan(k, float(courses[-1].azimuth[-1]) if courses else None))
+            paths.append(plan(k, float(paths[-1].azimuth[-1]) if paths else None))
     else:
         with ThreadPoolExecutor(max(1, min(threads, len(numbers)))) as side_by_side:
-            courses += side_by_side.map(plan, numbers)
+            paths += side_by_side.map(plan, numbers)
     evenly = not any(one.dryness or one.strength < 1.0 for one in glyph.strokes)
-    if glyph.solid and evenly and courses:
+    if glyph.solid and evenly and paths:
         shapes = [
             (on_paper(one.outline, em_mm), [on_paper(hole, em_mm) for hole in one.holes])
             for one in glyph.strokes
         ]
-        courses += dabs_in(shapes, courses, em_mm, footprints, settings or PlanSettings())
-    return courses
+        paths += dabs_in(shapes, paths, em_mm, footprints, settings or PlanSettings())
+    return paths
 
 
 def plan_stroke(
@@ -284,11 +283,11 @@ def plan_stroke(
         if field.distance.max() < step:  # the line may lie within what the grid does not show
             raise _too_fine(name, em_mm) from None
         raise InputError("{name}: {cause}", name=name, cause=cause) from None
-    plan = PathFitter(field, footprints, settings, em_mm * fineness, start)
-    best = plan.finished(_into_corners(plan.follow(line), plan))
-    if best.course is None:
+    fitter = PathFitter(field, footprints, settings, em_mm * fineness, start)
+    best = fitter.refine_dragged(_lead_into_corners(fitter.follow(line), fitter))
+    if best.path is None:
         raise _too_fine(name, em_mm)
-    return best.course
+    return best.path
 
 
 def _too_fine(name: str, em_mm: float) -> InputError:
@@ -297,12 +296,12 @@ def _too_fine(name: str, em_mm: float) -> InputError:
     )
 
 
-def _into_corners(best: Followed, plan: PathFitter) -> Followed:
+def _lead_into_corners(best: FittedLine, fitter: PathFitter) -> FittedLine:
     """Lead a line into the bare corners, one after another, and into those that are left at once.
 
-    A detour at one end may change the course at the other: two that fail alone may do together.
+    A detour at one end may change the path at the other: two that fail alone may do together.
     """
-    settings, field = plan.settings, plan.field
+    settings, field = fitter.settings, fitter.field
     held = settings.technique is not None
     finest = _FINEST_DRAGGED if settings.azimuth == "dragged" else _FINEST
     tried = np.zeros_like(best.bare)
@@ -311,22 +310,22 @@ def _into_corners(best: Followed, plan: PathFitter) -> Followed:
         if not corners:
             break
         tried[corners[0].at] = True
-        best = _better(best, detours_to(corners[0], best.line, field, held), plan)
+        best = _best_detour(best, detours_to(corners[0], best.line, field, held), fitter)
     left = corners_in(best.bare, best.line, field, finest) if tried.any() and not held else []
     if len(left) > 1:
         line = best.line
         for corner in left:
             line = visiting(line, corner, field)
-        best = _better(best, [line], plan)
+        best = _best_detour(best, [line], fitter)
     return best
 
 
-def _better(best: Followed, lines: Iterable[CentreLine], plan: PathFitter) -> Followed:
+def _best_detour(best: FittedLine, lines: Iterable[CentreLine], fitter: PathFitter) -> FittedLine:
     """The best of some detours, or none where none is worth it."""
-    least = float(best.bare.sum()) * (1.0 - plan.settings.worth)
+    least = float(best.bare.sum()) * (1.0 - fitter.settings.worth)
     found = best
     for line in lines:
-        one = plan.follow(line, best)
+        one = fitter.follow(line, best)
         if one.bare.sum() < least:
             found, least = one, float(one.bare.sum())
     return found

@@ -108,7 +108,7 @@ def _answer(worker: _Worker) -> _Answer:
     except (EOFError, ConnectionError):
         worker.process.join()
         raise Paint3DError(
-            "a process that was started to help died (exit status {exitcode})",
+            "a worker process died (exit status {exitcode})",
             exitcode=worker.process.exitcode,
         ) from None
 

@@ -24,6 +24,7 @@ from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
+from paint3d.calligraphy.polyline import resample_to
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -121,15 +122,17 @@ def cut_line(line: AnyArray, n_corners: int, hook: float = 0.0) -> list[StrokeSe
 
     One of the corners of a line that ends in a hook lies within the share `hook` of its end.
     """
-    points = _resampled(line, _SAMPLES)
-    cuts = [0, *sorted(_sharpest(points, n_corners, hook)), _SAMPLES - 1]
+    points = resample_to(line, _SAMPLES)
+    cuts = [0, *sorted(_find_corners(points, n_corners, hook)), _SAMPLES - 1]
     segments = []
     for first, last in pairwise(cuts):
-        segments.append(StrokeSegment(_calmed(_resampled(points[first : last + 1], _SAMPLES))))
+        segments.append(
+            StrokeSegment(_smooth_segment(resample_to(points[first : last + 1], _SAMPLES)))
+        )
     return segments
 
 
-def _sharpest(points: AnyArray, n: int, hook: float) -> list[int]:
+def _find_corners(points: AnyArray, n: int, hook: float) -> list[int]:
     """Indices of the n sharpest corners, a segment apart from each other and from the ends."""
     window = int(_WINDOW * _SAMPLES)
     margin = max(2, int(_LEAST_SEGMENT * _SAMPLES))
@@ -151,13 +154,7 @@ def _sharpest(points: AnyArray, n: int, hook: float) -> list[int]:
     return chosen
 
 
-def _resampled(line: AnyArray, n: int) -> NDArray[np.float64]:
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
-    at = np.linspace(0.0, way[-1], n)
-    return np.stack([np.interp(at, way, line[:, k]) for k in range(2)], axis=1)
-
-
-def _calmed(points: AnyArray) -> NDArray[np.float64]:
+def _smooth_segment(points: AnyArray) -> NDArray[np.float64]:
     """Smooth a segment; its ends stay."""
     sigma = 0.05 * len(points)
     chord = np.linspace(points[0], points[-1], len(points))
@@ -211,24 +208,26 @@ def shape_strokes(lines: Sequence[LineStroke], name: str = "glyph") -> list[Glyp
     InputError
         If a line is too short for a stroke.
     """
-    return [_shaped(line, len(lines), f"{name}: stroke {k + 1}") for k, line in enumerate(lines)]
+    return [
+        _shape_stroke(line, len(lines), f"{name}: stroke {k + 1}") for k, line in enumerate(lines)
+    ]
 
 
-def _shaped(stroke: LineStroke, n_strokes: int, name: str) -> GlyphStroke:
+def _shape_stroke(stroke: LineStroke, n_strokes: int, name: str) -> GlyphStroke:
     kind, shape = _shape_of(stroke)
     segments = cut_line(stroke.line, len(shape["legs"]) - 1, _HOOK if is_hooked(kind) else 0.0)
     if len(segments) != len(shape["legs"]):
-        kind, shape = _plain(stroke.line)
+        kind, shape = _guess_type(stroke.line)
         segments = cut_line(stroke.line, 0)
     if is_hooked(kind) and len(segments) > 1:
-        segments[-2] = _unrounded(segments[-2])
+        segments[-2] = _drop_end_bend(segments[-2])
         segments[-1] = _hook(segments[-2], segments[-1], shape["last"])
     length = sum(segment.length for segment in segments)
     law = shape["law"]
     half = math.exp(law[0] + law[1] * math.log(n_strokes) + law[2] * math.log(max(length, 1.0)))
     half *= 1.0 + _BOLDER * math.exp(-n_strokes / _FEW)
     half = min(max(half, _LEAST_HALF), _MOST_HALF)
-    outline = _joined(_segment_outlines(segments, shape["legs"], half), name)
+    outline = _join_outlines(_segment_outlines(segments, shape["legs"], half), name)
     median = np.concatenate([segment.points[k > 0 :] for k, segment in enumerate(segments)])
     return GlyphStroke(outline, median[:: max(1, len(median) // 60)])
 
@@ -239,10 +238,10 @@ def _shape_of(stroke: LineStroke) -> tuple[str, dict[str, Any]]:
     for kind in (stroke.kind, stroke.kind[:1], _LIKE.get(stroke.kind[:1], "")):
         if kind in shapes:
             return kind, shapes[kind]
-    return _plain(stroke.line)
+    return _guess_type(stroke.line)
 
 
-def _plain(line: AnyArray) -> tuple[str, dict[str, Any]]:
+def _guess_type(line: AnyArray) -> tuple[str, dict[str, Any]]:
     """Type of a line that has none: level, falling to the left, to the right, or upright."""
     x, y = line[-1] - line[0]
     if abs(y) < 0.4 * abs(x):
@@ -254,7 +253,7 @@ def _plain(line: AnyArray) -> tuple[str, dict[str, Any]]:
     return kind, _shapes()[kind]
 
 
-def _unrounded(segment: StrokeSegment) -> StrokeSegment:
+def _drop_end_bend(segment: StrokeSegment) -> StrokeSegment:
     """A segment without the bend at its end with which it leads into a hook."""
     way = np.diff(segment.points, axis=0)
     heading = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
@@ -288,10 +287,10 @@ def _segment_outlines(
         sides = {side: np.array(facts[side]) for side in ("lo", "hi")}
         if k > 0:
             inner = _inner_side(segments[k - 1], segment)
-            sides[inner][:ZONE] = _no_wider(sides[inner][:ZONE], sides[inner][ZONE])
+            sides[inner][:ZONE] = _limit_width(sides[inner][:ZONE], sides[inner][ZONE])
         if k + 1 < len(segments):
             inner = _inner_side(segment, segments[k + 1])
-            sides[inner][-ZONE:] = _no_wider(sides[inner][-ZONE:], sides[inner][-ZONE - 1])
+            sides[inner][-ZONE:] = _limit_width(sides[inner][-ZONE:], sides[inner][-ZONE - 1])
         outlines.append(_segment_outline(segment, {**facts, **sides}, half))
     return outlines
 
@@ -301,7 +300,7 @@ def _inner_side(one: StrokeSegment, two: StrokeSegment) -> str:
     return "hi" if a[0] * b[1] - a[1] * b[0] > 0.0 else "lo"
 
 
-def _no_wider(offsets: AnyArray, limit: float) -> AnyArray:
+def _limit_width(offsets: AnyArray, limit: float) -> AnyArray:
     return np.minimum(offsets, limit) if limit > 0.0 else np.maximum(offsets, limit)
 
 
@@ -319,7 +318,7 @@ def _segment_outline(
     return np.concatenate([left, right[::-1]])
 
 
-def _joined(outlines: Sequence[AnyArray], name: str) -> NDArray[np.float64]:
+def _join_outlines(outlines: Sequence[AnyArray], name: str) -> NDArray[np.float64]:
     """The outline (N, 2) of all segments together, with its corners a little rounded."""
     from shapely import Polygon, unary_union
 

@@ -85,7 +85,7 @@ def stroke_outlines(recording: Recording, brush: BrushSpec) -> list[list[AnyArra
                 slack = drag_length(descent, tuft.length, tuft.drag_fraction)
                 twist = twist_step(twist, turned, way, slack)
             pressed = make_footprint(tuft, descent, 0.5 * math.pi, azimuth[k])
-            footprint = _gathered(pressed.rounded(), twist)
+            footprint = _twist_footprint(pressed.rounded(), twist)
             if not footprint.is_empty:
                 feet.append(path.position[k, :2])
                 prints.append(footprint)
@@ -94,7 +94,7 @@ def stroke_outlines(recording: Recording, brush: BrushSpec) -> list[list[AnyArra
     return outlines
 
 
-def _gathered(footprint: Footprint, twist: float) -> Footprint:
+def _twist_footprint(footprint: Footprint, twist: float) -> Footprint:
     """A footprint under an upright holder as it lies with a twist (rad)."""
     bent = bent_by_twist(twist)
     if bent >= 1.0 or footprint.is_empty:
@@ -108,20 +108,20 @@ def stroke_polygon(feet: AnyArray, prints: list[Footprint]) -> Polygon:
     """The shape of one stroke: footprints about their feet (N, 2), mm, in order."""
     from shapely import Polygon, unary_union
 
-    feet, prints = _thinned(feet, prints)
+    feet, prints = _thin_out(feet, prints)
     whole = [Polygon(f.polygon() + foot).buffer(0.0) for f, foot in zip(prints, feet, strict=True)]
     if len(prints) == 1:
         return whole[0]
     headings = _headings(feet, prints)
     pieces = list(_bands(feet, prints, headings))
-    pieces.append(_valid(back_zone(prints[0], headings[0]) + feet[0]))
-    pieces.append(_valid(front_zone(prints[-1], headings[-1]) + feet[-1]))
+    pieces.append(_make_valid(back_zone(prints[0], headings[0]) + feet[0]))
+    pieces.append(_make_valid(front_zone(prints[-1], headings[-1]) + feet[-1]))
     shape = unary_union(pieces)
     out = np.array([w.difference(shape).area for w in whole])
     while out.sum() > 0.0 and out.max() > _LEFT_OUT * shape.area / math.sqrt(len(prints)):
         k = int(np.argmax(out))
         ends = (back_zone(prints[k], headings[k]), front_zone(prints[k], headings[k]))
-        shape = unary_union([shape, *(_valid(zone + feet[k]) for zone in ends)])
+        shape = unary_union([shape, *(_make_valid(zone + feet[k]) for zone in ends)])
         near = np.flatnonzero(out > 0.0)
         out[near] = [whole[i].difference(shape).area for i in near]
         out[k] = 0.0
@@ -134,10 +134,10 @@ def _runs(down: AnyArray) -> list[tuple[int, int]]:
     return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _thinned(feet: AnyArray, prints: list[Footprint]) -> tuple[AnyArray, list[Footprint]]:
+def _thin_out(feet: AnyArray, prints: list[Footprint]) -> tuple[AnyArray, list[Footprint]]:
     """Leave out footprints that hardly differ from the last one kept."""
     kept = [0]
-    outlines = [_four(f) + foot for f, foot in zip(prints, feet, strict=True)]
+    outlines = [_extreme_points(f) + foot for f, foot in zip(prints, feet, strict=True)]
     for k in range(1, len(prints)):
         moved = np.abs(outlines[k] - outlines[kept[-1]]).max()
         if moved > max(_STEP * prints[k].width, _FINEST_MM) or k == len(prints) - 1:
@@ -145,7 +145,7 @@ def _thinned(feet: AnyArray, prints: list[Footprint]) -> tuple[AnyArray, list[Fo
     return feet[kept], [prints[k] for k in kept]
 
 
-def _four(footprint: Footprint) -> AnyArray:
+def _extreme_points(footprint: Footprint) -> AnyArray:
     """Tip, heel and both sides (4, 2) of a footprint."""
     polygon = footprint.polygon()
     widest = int(np.argmax(footprint.half_width))
@@ -153,7 +153,7 @@ def _four(footprint: Footprint) -> AnyArray:
     return polygon[[0, widest, n - 1, (len(polygon) - widest) % len(polygon)]]
 
 
-def _middle(footprint: Footprint) -> AnyArray:
+def _footprint_middle(footprint: Footprint) -> AnyArray:
     """Half-way between tip and heel (2,)."""
     half_way = 0.5 * float(footprint.reach[0] + footprint.reach[-1])
     turn = footprint.azimuth
@@ -162,7 +162,7 @@ def _middle(footprint: Footprint) -> AnyArray:
 
 def _headings(feet: AnyArray, prints: list[Footprint]) -> AnyArray:
     """Directions of motion (N, 2) of the footprints' middles."""
-    middles = feet + np.array([_middle(f) for f in prints])
+    middles = feet + np.array([_footprint_middle(f) for f in prints])
     ways = np.diff(middles, axis=0)
     lengths = np.linalg.norm(ways, axis=1, keepdims=True)
     ways = np.where(lengths > 1e-9, ways / np.maximum(lengths, 1e-9), [1.0, 0.0])
@@ -178,10 +178,10 @@ def _bands(feet: AnyArray, prints: list[Footprint], headings: AnyArray) -> Itera
         for foot, f, heading in zip(feet, prints, headings, strict=True)
     ]
     for (a, b), (c, d) in pairwise(points):
-        yield _valid(np.array([a, b, d, c]))
+        yield _make_valid(np.array([a, b, d, c]))
 
 
-def _valid(ring: AnyArray) -> Polygon:
+def _make_valid(ring: AnyArray) -> Polygon:
     """A polygon; the convex hull of a ring that crosses itself."""
     from shapely import MultiPoint, Polygon
 

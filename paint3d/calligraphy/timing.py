@@ -1,4 +1,4 @@
-"""Timing: courses of strokes become one motion of the hand, sampled evenly.
+"""Timing: paths of strokes become one motion of the hand, sampled evenly.
 
 Within a stroke the hand follows v ~ curvature^-0.29, slows down to turn the holder, and starts and
 ends at rest; between strokes it lifts and moves over with least jerk; between characters it rises,
@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
-from paint3d.calligraphy.centre_line import smoothed
-from paint3d.calligraphy.planning import StrokePath
+from paint3d.calligraphy.centre_line import smooth_along
+from paint3d.calligraphy.path_fit import StrokePath
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError
 
-__all__ = ["Limits", "Motion", "Tempo", "least_jerk", "stretched", "time_courses", "travel"]
+__all__ = ["Limits", "Motion", "Tempo", "minimum_jerk", "stretch_time", "time_path", "time_paths"]
 
 # ---- Speed along a path --------------------------------------------------------------------------
 # How fast a hand goes along a path: as its bends ask for, and within limits up to the jerk.
@@ -68,7 +68,7 @@ class Limits:
     rate_hz: float
 
 
-def travel(
+def time_path(
     poses: NDArray[np.float64], em_mm: float, cruise: float, limits: Limits
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Times (M,) from 0, and poses (M, 4), along a path from rest to rest.
@@ -85,12 +85,12 @@ def travel(
     """
     path, way = _even_path(poses, em_mm)
     step = way / (len(path) - 1)
-    speed = _bounded_by_bends(path, step, em_mm, cruise, limits)
-    speed = _eased(_bounded_by_neighbours(speed, step, limits), step)
-    return stretched(_spans(speed, step), path, limits)
+    speed = _limit_by_bends(path, step, em_mm, cruise, limits)
+    speed = _smooth_speed(_limit_by_neighbours(speed, step, limits), step)
+    return stretch_time(_durations(speed, step), path, limits)
 
 
-def stretched(
+def stretch_time(
     spans: AnyArray, poses: AnyArray, limits: Limits
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Stretch the time between poses (M, 4), given as M - 1 spans, until the limits are kept.
@@ -145,10 +145,10 @@ def _even_path(poses: AnyArray, em_mm: float) -> tuple[NDArray[np.float64], floa
     n = max(24, len(way))
     even = np.linspace(0.0, way[-1], n)
     path = np.stack([np.interp(even, way, column) for column in poses[kept].T], axis=1)
-    return smoothed(path, _FINEST_CURVE * em_mm * (n - 1) / way[-1]), float(way[-1])
+    return smooth_along(path, _FINEST_CURVE * em_mm * (n - 1) / way[-1]), float(way[-1])
 
 
-def _bounded_by_bends(
+def _limit_by_bends(
     path: AnyArray, step: float, em_mm: float, cruise: float, limits: Limits
 ) -> NDArray[np.float64]:
     """Speed (mm/s of the way) that the path's first three derivatives allow."""
@@ -170,9 +170,9 @@ def _bounded_by_bends(
     return result
 
 
-def _eased(speed: AnyArray, step: float) -> NDArray[np.float64]:
+def _smooth_speed(speed: AnyArray, step: float) -> NDArray[np.float64]:
     """Smooth speed in time; never above what it was."""
-    time = np.r_[0.0, np.cumsum(_spans(speed, step))]
+    time = np.r_[0.0, np.cumsum(_durations(speed, step))]
     even = np.linspace(0.0, time[-1], len(speed))
     window = max(1, round(_EASE_S * (len(speed) - 1) / time[-1]))
     low = minimum_filter1d(np.interp(even, time, speed), 2 * window + 1, mode="nearest")
@@ -183,14 +183,14 @@ def _eased(speed: AnyArray, step: float) -> NDArray[np.float64]:
     return result
 
 
-def _spans(speed: AnyArray, step: float) -> NDArray[np.float64]:
+def _durations(speed: AnyArray, step: float) -> NDArray[np.float64]:
     """Times (s) from point to point."""
     spans = 2.0 * step / (speed[1:] + speed[:-1])
     spans[[0, -1]] *= 1.5  # from rest the speed grows with the square of the time
     return spans
 
 
-def _bounded_by_neighbours(speed: AnyArray, step: float, limits: Limits) -> NDArray[np.float64]:
+def _limit_by_neighbours(speed: AnyArray, step: float, limits: Limits) -> NDArray[np.float64]:
     """Speed that can be reached from rest at both ends and from point to point."""
     way = step * np.arange(len(speed))
     from_end = np.minimum(way, way[-1] - way)
@@ -205,7 +205,7 @@ def _bounded_by_neighbours(speed: AnyArray, step: float, limits: Limits) -> NDAr
     return np.array(each)
 
 
-# ---- Time courses --------------------------------------------------------------------------------
+# ---- Times along paths -------------------------------------------------------------------------
 
 
 _LIFT_POSES = 301
@@ -310,7 +310,7 @@ class Motion:
     stroke: NDArray[np.int64]
 
 
-def time_courses(
+def time_paths(
     characters: Sequence[Sequence[StrokePath]], em_mm: float, tempo: Tempo | None = None
 ) -> Motion:
     """Give the strokes of several characters their times.
@@ -338,9 +338,9 @@ def time_courses(
     )
     parts: list[_Part] = []
     pose = None
-    for k, courses in enumerate(characters):
-        for j, course in enumerate(courses):
-            poses = _poses(course)
+    for k, paths in enumerate(characters):
+        for j, path in enumerate(paths):
+            poses = np.column_stack([path.handle, -path.descent, path.azimuth])
             if pose is None:
                 pose = poses[0] + np.array([0.0, 0.0, tempo.dip_mm, 0.0])
             else:
@@ -349,7 +349,7 @@ def time_courses(
                 parts.extend(_dip(pose, poses[0], tempo, k))
             else:
                 parts.append(_Part(*_lift(pose, poses[0], tempo), False, k))
-            parts.append(_Part(*travel(poses, em_mm, tempo.cruise, limits), False, k, j))
+            parts.append(_Part(*time_path(poses, em_mm, tempo.cruise, limits), False, k, j))
             pose = poses[-1]
     if pose is None:
         raise InputError("there is no stroke to write; expected at least one")
@@ -369,11 +369,7 @@ class _Part:
     stroke: int = -1
 
 
-def _poses(course: StrokePath) -> NDArray[np.float64]:
-    return np.column_stack([course.handle, -course.descent, course.azimuth])
-
-
-def least_jerk(t: AnyArray) -> AnyArray:
+def minimum_jerk(t: AnyArray) -> AnyArray:
     """Fraction of a minimum-jerk movement from rest to rest at times t, both 0 to 1."""
     return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
 
@@ -385,12 +381,12 @@ def _lift(start: AnyArray, end: AnyArray, tempo: Tempo) -> tuple[AnyArray, AnyAr
     if end[2] > 0.0 or start[2] > 0.0:
         arc = 0.0
     t = np.linspace(0.0, 1.0, _LIFT_POSES)
-    poses = start + least_jerk(t)[:, None] * (end - start)
+    poses = start + minimum_jerk(t)[:, None] * (end - start)
     poses[:, 2] += arc * 64.0 * (t * (1.0 - t)) ** 3
-    return _unhurried(poses, tempo.lift_s, tempo)
+    return _time_poses(poses, tempo.lift_s, tempo)
 
 
-def _unhurried(poses: AnyArray, least_s: float, tempo: Tempo) -> tuple[AnyArray, AnyArray]:
+def _time_poses(poses: AnyArray, least_s: float, tempo: Tempo) -> tuple[AnyArray, AnyArray]:
     """Times of poses at even times, in the least time that the limits allow but `least_s`."""
     step, values, seconds = 1.0 / (len(poses) - 1), poses, least_s
     for order, most in enumerate(
@@ -413,8 +409,8 @@ def _dip(start: AnyArray, end: AnyArray, tempo: Tempo, group: int) -> list[_Part
     if start[2] <= 0.0:
         parts.append(_Part(*_lift(start, up, tempo), False, group - 1))
     t = np.linspace(0.0, 1.0, _LIFT_POSES)
-    there = up + least_jerk(t)[:, None] * (over - up)
-    parts.append(_Part(*_unhurried(there, tempo.dip_s, tempo), True, group))
+    there = up + minimum_jerk(t)[:, None] * (over - up)
+    parts.append(_Part(*_time_poses(there, tempo.dip_s, tempo), True, group))
     parts.append(_Part(*_lift(over, end, tempo), False, group))
     return parts
 

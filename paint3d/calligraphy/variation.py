@@ -14,7 +14,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.timing import Motion, least_jerk
+from paint3d.calligraphy.timing import Motion, minimum_jerk
 from paint3d.core.arrays import AnyArray
 
 __all__ = ["vary_motion"]
@@ -49,27 +49,27 @@ def vary_motion(
     """
     if amount <= 0.0:
         return motion
-    dice = np.random.default_rng(seed)
+    rng = np.random.default_rng(seed)
     strokes = int(motion.stroke.max(initial=-1)) + 1
-    own = np.clip(dice.standard_normal((strokes + 1, 7)), -_MOST, _MOST) * amount
+    own = np.clip(rng.standard_normal((strokes + 1, 7)), -_MOST, _MOST) * amount
     own[1:] *= (*[_STROKE_TURN], *[_STROKE_STRETCH] * 2, *[_STROKE_SHIFT] * 2, _STROKE_PRESS, _LEAN)
     own[0] *= (*[_TURN], *[_STRETCH] * 2, *[_SHIFT] * 2, _PRESS, 0.0)
-    of_stroke = _between(own[1:], motion.stroke)
+    of_stroke = _blend_strokes(own[1:], motion.stroke)
     centres = np.array(
         [motion.handle[motion.stroke == k].mean(axis=0) for k in range(strokes)]
     ).reshape(-1, 2)
-    handle = _moved(motion.handle, _between(centres, motion.stroke), of_stroke, em_mm)
-    handle = _moved(handle, middle, np.broadcast_to(own[0], of_stroke.shape), em_mm)
+    handle = _transform(motion.handle, _blend_strokes(centres, motion.stroke), of_stroke, em_mm)
+    handle = _transform(handle, middle, np.broadcast_to(own[0], of_stroke.shape), em_mm)
     tremor = sum(
         np.sin(2.0 * np.pi * (motion.time_s / period + phase))
-        for period, phase in zip(_TREMOR_S, dice.random(len(_TREMOR_S)), strict=True)
+        for period, phase in zip(_TREMOR_S, rng.random(len(_TREMOR_S)), strict=True)
     )
     depth = np.maximum(0.0, 1.0 + of_stroke[:, 5] + own[0, 5] + amount * _TREMOR * tremor)
     height = np.where(motion.height < 0.0, motion.height * depth, motion.height)
     return replace(motion, handle=handle, height=height, azimuth=motion.azimuth + of_stroke[:, 6])
 
 
-def _between(values: AnyArray, stroke: NDArray[np.int64]) -> NDArray[np.float64]:
+def _blend_strokes(values: AnyArray, stroke: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return values (S, K) of strokes at samples (N,): between two strokes from one to the next."""
     at = np.flatnonzero(stroke >= 0)
     if not len(at):
@@ -79,14 +79,14 @@ def _between(values: AnyArray, stroke: NDArray[np.int64]) -> NDArray[np.float64]
     last, following = at[np.maximum(after - 1, 0)], at[np.minimum(after, len(at) - 1)]
     last, following = np.where(stroke >= 0, n, last), np.where(stroke >= 0, n, following)
     last, following = np.where(n < at[0], following, last), np.where(n > at[-1], last, following)
-    part = least_jerk((n - last) / np.maximum(following - last, 1))[:, None]
+    part = minimum_jerk((n - last) / np.maximum(following - last, 1))[:, None]
     result: NDArray[np.float64] = (
         values[stroke[last]] * (1.0 - part) + values[stroke[following]] * part
     )
     return result
 
 
-def _moved(points: AnyArray, about: AnyArray, how: AnyArray, em_mm: float) -> AnyArray:
+def _transform(points: AnyArray, about: AnyArray, how: AnyArray, em_mm: float) -> AnyArray:
     """Turn, stretch and shift points (N, 2) about others by rows (N, 7) of `vary_motion`."""
     c, s = np.cos(how[:, 0]), np.sin(how[:, 0])
     x, y = ((points - about) * (1.0 + how[:, 1:3])).T

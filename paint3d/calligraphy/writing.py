@@ -1,6 +1,6 @@
 """Writing on an object: glyphs, planned strokes, their boxes on the surface, one recording.
 
-Everything is told by the recording of the handle that comes out: replaying it paints the text.
+The recording of the handle holds everything: replaying it paints the text.
 """
 
 from __future__ import annotations
@@ -31,16 +31,17 @@ from paint3d.calligraphy.glyphs import EM_BOX, Glyph
 from paint3d.calligraphy.hand_motion import (
     HandMotion,
     join_motions,
+    move_between,
     root_stretch,
     to_hand_motion,
-    travel,
 )
-from paint3d.calligraphy.layout import Layout, layout_text
+from paint3d.calligraphy.layout import LEAST_EM_MM, MOST_EM_MM, Layout, layout_text
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.page import Composer, Page
-from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
+from paint3d.calligraphy.path_fit import PlanSettings
+from paint3d.calligraphy.planning import on_paper, plan_glyph
 from paint3d.calligraphy.processes import in_processes
-from paint3d.calligraphy.timing import Motion, Tempo, time_courses
+from paint3d.calligraphy.timing import Motion, Tempo, time_paths
 from paint3d.calligraphy.variation import vary_motion
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.recorded import Recording
@@ -49,9 +50,8 @@ from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SquareLimits, make_chart
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["Pen", "Written", "plan_ahead", "write_page", "write_text"]
+__all__ = ["WritingSettings", "Written", "plan_ahead", "write_page", "write_text"]
 
-LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 MOST_VARIATION = 3.0
 
 _WIDEST = 0.2  # ems: the last footprint of the table
@@ -65,25 +65,25 @@ _FEW = 3  # characters that are not worth starting processes for
 
 
 @dataclass(frozen=True)
-class Pen:
-    """Brush, size and manner of writing.
+class WritingSettings:
+    """Brush, size, planning and tempo of writing.
 
     Attributes
     ----------
     brush : BrushSpec
     em_mm : float
         Side of the em squares, mm.
-    settings : PlanSettings
+    plan : PlanSettings
     tempo : Tempo
     variation : float
         0: every character as the copybook has it; 1: as a practised hand varies; at most 3.
     seed : int
-        Of that variation, 0 or more: the same seed, text and pen give the same motion.
+        Of that variation, 0 or more: the same seed, text and settings give the same motion.
     """
 
     brush: BrushSpec
     em_mm: float
-    settings: PlanSettings = field(default_factory=PlanSettings)
+    plan: PlanSettings = field(default_factory=PlanSettings)
     tempo: Tempo = field(default_factory=Tempo)
     variation: float = 0.0
     seed: int = 0
@@ -91,7 +91,7 @@ class Pen:
 
 @dataclass(frozen=True, eq=False)
 class Written:
-    """A text as the way of the hand, and where its characters are.
+    """A planned text: the recording of the hand, and where its characters lie.
 
     Attributes
     ----------
@@ -134,7 +134,7 @@ def write_text(
     mesh: TriangleMesh,
     text: str,
     source: GlyphSource,
-    pen: Pen,
+    settings: WritingSettings,
     layout: Layout | None = None,
     *,
     header: Mapping[str, object] | None = None,
@@ -149,7 +149,7 @@ def write_text(
     text : str
         Line breaks start a new column or row; other white space is passed over.
     source : GlyphSource
-    pen : Pen
+    settings : WritingSettings
     layout : Layout, optional
     header : mapping, optional
         More entries for the recording's header, such as the ink.
@@ -166,19 +166,19 @@ def write_text(
     MeshError
         If the surface has no place for a character.
     """
-    as_number(pen.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
+    as_number(settings.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
     glyphs = load_glyphs(source, "".join(text.split()))
-    surface, limits = _surface_of(mesh), SquareLimits(room_mm=pen.brush.length_mm)
-    characters = layout_text(surface, text, pen.em_mm, layout, limits)
+    surface, limits = _surface_of(mesh), SquareLimits(room_mm=settings.brush.length_mm)
+    characters = layout_text(surface, text, settings.em_mm, layout, limits)
     placed = [PlacedPiece(glyphs[one.text], one.square) for one in characters]
     entries = {"licence": f"{source.licence}. Motion: paint3d.", **(header or {})}
-    return _write(surface, placed, pen, entries, processes, progress)
+    return _write(surface, placed, settings, entries, processes, progress)
 
 
 def write_page(
     mesh: TriangleMesh,
-    text: Composer,
-    pen: Pen,
+    composer: Composer,
+    settings: WritingSettings,
     layout: Layout | None = None,
     *,
     header: Mapping[str, object] | None = None,
@@ -190,8 +190,8 @@ def write_page(
     Parameters
     ----------
     mesh : TriangleMesh
-    text : Composer
-    pen : Pen
+    composer : Composer
+    settings : WritingSettings
         Its em is the size of 1024 glyph units.
     layout, header, processes, progress
         As for `write_text`.
@@ -203,81 +203,90 @@ def write_page(
     MeshError
         If the surface has no place for it.
     """
-    as_number(pen.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
-    surface, limits = _surface_of(mesh), SquareLimits(room_mm=pen.brush.length_mm)
-    page, placed = lay_page(surface, text, pen.em_mm, layout, limits)
+    as_number(settings.em_mm, "size", LEAST_EM_MM, MOST_EM_MM)
+    surface, limits = _surface_of(mesh), SquareLimits(room_mm=settings.brush.length_mm)
+    page, placed = lay_page(surface, composer, settings.em_mm, layout, limits)
     entries = {
         "licence": f"{page.licence}. Motion: paint3d.",
         "source": page.source,
         **(header or {}),
     }
-    written = _write(surface, placed, pen, entries, processes, progress)
+    written = _write(surface, placed, settings, entries, processes, progress)
     return replace(written, page=page)
 
 
 def _write(
     surface: ClosestPoints,
     placed: list[PlacedPiece],
-    pen: Pen,
+    settings: WritingSettings,
     header: Mapping[str, object],
     processes: int,
     progress: Callable[[str, float], None] | None,
 ) -> Written:
     """Plan every glyph once, lay it wherever it stands, and join the ways."""
-    as_number(pen.variation, "variation", 0.0, MOST_VARIATION)
-    as_number(pen.seed, "seed", 0)
-    tuft, footprints, pen = _made_ready(placed, pen)
+    as_number(settings.variation, "variation", 0.0, MOST_VARIATION)
+    as_number(settings.seed, "seed", 0)
+    tuft, footprints, settings = _prepare(placed, settings)
     glyphs = {id(piece.glyph): piece.glyph for piece in placed}
     motions: dict[int, Motion] = {}
-    with closing(_plan_all(glyphs.values(), footprints, pen, processes)) as plans:
+    with closing(_plan_all(glyphs.values(), footprints, settings, processes)) as plans:
         for (key, glyph), motion in zip(glyphs.items(), plans, strict=True):
             motions[key] = motion
             if progress is not None:
                 progress(glyph.text, len(motions) / len(glyphs))
     laid = []
     for k, piece in enumerate(placed):
-        middle = on_paper(np.array(piece.glyph.middle), pen.em_mm)
-        amount = 0.0 if piece.glyph.solid else pen.variation  # its strokes have to join
-        motion = vary_motion(motions[id(piece.glyph)], middle, pen.em_mm, amount, [pen.seed, k])
-        laid.append(_laid(surface, piece, motion, tuft, pen))
-    told = [_described(piece) for piece in placed]
+        middle = on_paper(np.array(piece.glyph.middle), settings.em_mm)
+        amount = 0.0 if piece.glyph.solid else settings.variation  # its strokes have to join
+        motion = vary_motion(
+            motions[id(piece.glyph)], middle, settings.em_mm, amount, [settings.seed, k]
+        )
+        laid.append(_lay_piece(surface, piece, motion, tuft, settings))
+    characters = [_describe_piece(piece) for piece in placed]
     entries = {
-        "brush": pen.brush.name,
+        "brush": settings.brush.name,
         "object": surface.mesh.name,
         "licence": header["licence"],
-        "azimuth": pen.settings.azimuth,
-        **({"variation": pen.variation, "seed": pen.seed} if pen.variation else {}),
+        "azimuth": settings.plan.azimuth,
+        **({"variation": settings.variation, "seed": settings.seed} if settings.variation else {}),
         **header,
-        "characters": told,
+        "characters": characters,
     }
-    parts = _joined(laid, surface, tuft, pen.tempo)
-    recording = _recording(join_motions(parts), pen, entries)
-    written = Written(recording, told, placed=tuple(placed))
-    stations = partial(stations_of_motion, em_mm=pen.em_mm, footprints=footprints)
-    return _as_asked(written, motions, parts, stations)
+    parts = laid[:1]
+    for following in laid[1:]:
+        parts += [move_between(parts[-1], following, surface, tuft, settings.tempo), following]
+    recording = _recording(join_motions(parts), settings, entries)
+    written = Written(recording, characters, placed=tuple(placed))
+    stations = partial(stations_of_motion, em_mm=settings.em_mm, footprints=footprints)
+    return _with_ink_per_sample(written, motions, parts, stations)
 
 
-def _made_ready(placed: Sequence[PlacedPiece], pen: Pen) -> tuple[Tuft, FootprintTable, Pen]:
-    """The tuft and its footprints, and the pen in the tempo that the surface asks for."""
-    tuft = build_tuft(pen.brush)
-    footprints = tabulate_footprints(tuft, _WIDEST * pen.em_mm)
-    return tuft, footprints, replace(pen, tempo=pen.tempo.slower(_root_stretch(placed, tuft)))
+def _prepare(
+    placed: Sequence[PlacedPiece], settings: WritingSettings
+) -> tuple[Tuft, FootprintTable, WritingSettings]:
+    """The tuft and its footprints, and the settings in the tempo that the surface asks for."""
+    tuft = build_tuft(settings.brush)
+    footprints = tabulate_footprints(tuft, _WIDEST * settings.em_mm)
+    squares = [piece.square for piece in placed]
+    stretch = max(root_stretch(square.points, square.normals, tuft) for square in squares)
+    tempo = settings.tempo.slower(min(_MOST_STRETCH, stretch))  # rough spots count as 2
+    return tuft, footprints, replace(settings, tempo=tempo)
 
 
-def plan_ahead(placed: Sequence[PlacedPiece], pen: Pen) -> Generator[None]:
+def plan_ahead(placed: Sequence[PlacedPiece], settings: WritingSettings) -> Generator[None]:
     """Plan what lies on an object before it is to be written, glyph by glyph.
 
     In a process that gives way to others; what is planned then need not be planned by `write_text`
     and `write_page` any more. It may be ended at any time.
     """
-    _, footprints, pen = _made_ready(placed, pen)
+    _, footprints, settings = _prepare(placed, settings)
     glyphs = {id(piece.glyph): piece.glyph for piece in placed}
-    with closing(_plan_all(glyphs.values(), footprints, pen, 1, apart=True)) as plans:
+    with closing(_plan_all(glyphs.values(), footprints, settings, 1, apart=True)) as plans:
         for _ in plans:
             yield
 
 
-def _as_asked(
+def _with_ink_per_sample(
     written: Written,
     motions: Mapping[int, Motion],
     parts: Sequence[HandMotion],
@@ -290,11 +299,16 @@ def _as_asked(
     pale = any(stroke.strength < 1.0 for stroke in strokes)
     if not asked and not pale:
         return written
-    counted = _counted_on(
+
+    def own_strokes(glyph: Glyph) -> NDArray[np.float64]:
+        own = np.minimum(motions[id(glyph)].stroke, len(glyph.strokes) - 1)  # dabs: the last one's
+        return np.where(own >= 0, own, np.nan)
+
+    counted = _count_through(
         glyphs,
         parts,
-        lambda glyph: _own_stroke(motions[id(glyph)], glyph),
-        lambda g: len(g.strokes),
+        own_strokes,
+        lambda glyph: len(glyph.strokes),
     )
     stroke = np.nan_to_num(counted, nan=-1.0).astype(np.int64)
     written = replace(written, stroke=stroke)
@@ -303,13 +317,18 @@ def _as_asked(
         written = replace(written, strength=strength)
     if asked:
         own = {id(glyph): stations(motions[id(glyph)], glyph) for glyph in glyphs}
-        station = _counted_on(glyphs, parts, lambda glyph: own[id(glyph)], _count_stations)
+        station = _count_through(
+            glyphs,
+            parts,
+            lambda glyph: own[id(glyph)],
+            lambda glyph: sum(len(one.dryness) for one in glyph.strokes),
+        )
         dryness = dryness_at(station, np.array(asked))
         written = replace(written, dryness=dryness, station=station)
     return written
 
 
-def _counted_on(
+def _count_through(
     glyphs: Sequence[Glyph],
     parts: Sequence[HandMotion],
     own: Callable[[Glyph], NDArray[np.float64]],
@@ -324,16 +343,6 @@ def _counted_on(
         values[2 * k] = first + own(glyph)
         first += count(glyph)
     return np.concatenate(values)
-
-
-def _own_stroke(motion: Motion, glyph: Glyph) -> NDArray[np.float64]:
-    """Number of the stroke at each sample; dabs count as the last one's."""
-    own = np.minimum(motion.stroke, len(glyph.strokes) - 1)
-    return np.where(own >= 0, own, np.nan)
-
-
-def _count_stations(glyph: Glyph) -> int:
-    return sum(len(stroke.dryness) for stroke in glyph.strokes)
 
 
 @lru_cache(maxsize=1)
@@ -373,10 +382,12 @@ class _Plans:
 _plans = _Plans()
 
 
-def _key(glyph: Glyph, pen: Pen) -> bytes:
+def _key(glyph: Glyph, settings: WritingSettings) -> bytes:
     """What a glyph's motion depends on."""
-    told = repr((glyph.box, glyph.solid, pen.brush, pen.em_mm, pen.settings, pen.tempo)).encode()
-    found = hashlib.sha256(told)
+    words = repr(
+        (glyph.box, glyph.solid, settings.brush, settings.em_mm, settings.plan, settings.tempo)
+    ).encode()
+    found = hashlib.sha256(words)
     for stroke in glyph.strokes:
         for ring in (stroke.outline, stroke.median, *stroke.holes):
             found.update(repr(ring.shape).encode() + ring.tobytes())
@@ -386,7 +397,7 @@ def _key(glyph: Glyph, pen: Pen) -> bytes:
 def _plan_all(
     glyphs: Collection[Glyph],
     footprints: FootprintTable,
-    pen: Pen,
+    settings: WritingSettings,
     processes: int,
     *,
     apart: bool = False,
@@ -395,14 +406,14 @@ def _plan_all(
 
     What was planned before is not planned again. With `apart` nothing is planned in this process.
     """
-    keys = [_key(glyph, pen) for glyph in glyphs]
+    keys = [_key(glyph, settings) for glyph in glyphs]
     known = [_plans.find(key) for key in keys]
     lacking = [glyph for glyph, motion in zip(glyphs, known, strict=True) if motion is None]
     n = min(processes, len(lacking))
     if not apart and (n < 2 or len(lacking) < _FEW):
-        made = (_planned(glyph, footprints, pen, processes) for glyph in lacking)
+        made = (_plan_motion(glyph, footprints, settings, processes) for glyph in lacking)
     else:
-        work = partial(_planned, footprints=footprints, pen=pen)
+        work = partial(_plan_motion, footprints=footprints, settings=settings)
         made = in_processes(work, lacking, n, is_patient=apart)
     with closing(made):
         for key, motion in zip(keys, known, strict=True):
@@ -412,26 +423,26 @@ def _plan_all(
             yield motion
 
 
-def _planned(glyph: Glyph, footprints: FootprintTable, pen: Pen, threads: int = 1) -> Motion:
-    courses = plan_glyph(glyph, pen.em_mm, footprints, pen.settings, threads)
-    loads = loads_of(courses, pen.em_mm, footprints) if glyph.solid else [courses]
-    return time_courses(loads, pen.em_mm, pen.tempo)
+def _plan_motion(
+    glyph: Glyph, footprints: FootprintTable, settings: WritingSettings, threads: int = 1
+) -> Motion:
+    paths = plan_glyph(glyph, settings.em_mm, footprints, settings.plan, threads)
+    loads = loads_of(paths, settings.em_mm, footprints) if glyph.solid else [paths]
+    return time_paths(loads, settings.em_mm, settings.tempo)
 
 
 # -- laying -------------------------------------------------------------------------------------
 
 
-def _root_stretch(placed: Sequence[PlacedPiece], tuft: Tuft) -> float:
-    """Ratio of the root's ways to those that are planned; rough spots count as 2."""
-    squares = [piece.square for piece in placed]
-    return min(_MOST_STRETCH, max(root_stretch(s.points, s.normals, tuft) for s in squares))
-
-
-def _laid(
-    surface: ClosestPoints, piece: PlacedPiece, motion: Motion, tuft: Tuft, pen: Pen
+def _lay_piece(
+    surface: ClosestPoints,
+    piece: PlacedPiece,
+    motion: Motion,
+    tuft: Tuft,
+    settings: WritingSettings,
 ) -> HandMotion:
     """A piece's motion on the surface; the chart reaches as far as the handle goes."""
-    em, square = pen.em_mm, piece.square
+    em, square = settings.em_mm, piece.square
     middle = on_paper(np.array(piece.glyph.middle), em)
     reach = np.abs(motion.handle - middle).max(axis=0)
     half = 0.5 * np.array([square.width_mm, square.height_mm])
@@ -450,7 +461,7 @@ def _laid(
     return to_hand_motion(motion, chart, em, tuft, middle)
 
 
-def _described(piece: PlacedPiece) -> dict[str, Any]:
+def _describe_piece(piece: PlacedPiece) -> dict[str, Any]:
     """A piece's entry in the report and in the recording's header."""
     square, box = piece.square, piece.glyph.box
     frame = square.chart.frame
@@ -466,30 +477,22 @@ def _described(piece: PlacedPiece) -> dict[str, Any]:
     return entry if box == EM_BOX else {**entry, "box": [round(side, 3) for side in box]}
 
 
-def _joined(
-    laid: list[HandMotion], surface: ClosestPoints, tuft: Tuft, tempo: Tempo
-) -> list[HandMotion]:
-    """The pieces' motions with the ways between them."""
-    parts = [laid[0]]
-    for motion in laid[1:]:
-        parts.extend([travel(parts[-1], motion, surface, tuft, tempo), motion])
-    return parts
-
-
-def _recording(hand: HandMotion, pen: Pen, header: Mapping[str, object]) -> Recording:
-    step_ns = round(1e9 / pen.tempo.rate_hz)
-    entries = {"devices": {"right": f"planned, {pen.tempo.rate_hz:g} Hz"}, **header}
+def _recording(
+    hand: HandMotion, settings: WritingSettings, header: Mapping[str, object]
+) -> Recording:
+    step_ns = round(1e9 / settings.tempo.rate_hz)
+    entries = {"devices": {"right": f"planned, {settings.tempo.rate_hz:g} Hz"}, **header}
     return Recording(
         step_ns * np.arange(len(hand.position), dtype=np.int64),
-        _rounded(hand.position, "position"),
-        _rounded(hand.orientation, "orientation"),
-        np.minimum(_rounded(hand.pressure, "pressure"), 1.0),
+        _round_finite(hand.position, "position"),
+        _round_finite(hand.orientation, "orientation"),
+        np.minimum(_round_finite(hand.pressure, "pressure"), 1.0),
         hand.buttons,
         header=entries,
     )
 
 
-def _rounded(values: AnyArray, what: str) -> AnyArray:
+def _round_finite(values: AnyArray, what: str) -> AnyArray:
     if not np.isfinite(values).all():
         raise InputError("the plan's {what} is not finite; expected numbers", what=what)
     return np.round(values, _DECIMALS[what])

@@ -234,7 +234,7 @@ def _paint(
     else:
         wanted = PaintingOptions.of(piece)
         make, source = write.planner(piece)
-        pen = write.pen_of(piece)
+        pen = write.settings_of(piece)
         signature = write.signature_of(piece) if piece.sign else None
         dips = piece.dip or (DIPS if piece.text is not None else "always")
         surface = document.surface

@@ -21,7 +21,7 @@ from paint3d.cli.options import FILES, check_output_file, group_of, parse_number
 from paint3d.cli.painting import PaintingOptions
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.sources import TRIALS, add_rehearsals_option
-from paint3d.cli.write import add_task_options, carry_out, check_files, pen_of
+from paint3d.cli.write import add_task_options, carry_out, check_files, settings_of
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -140,11 +140,11 @@ def run(options: argparse.Namespace) -> None:
         check_output_file(options.beside, _PICTURES)
     wanted.check()
     sheet = _copied(options)
-    check_widths(sheet.page, pen_of(options).brush, options.size, wanted.resolution)
+    check_widths(sheet.page, settings_of(options).brush, options.size, wanted.resolution)
     page = sheet.page if options.dryness == "photo" else sheet.wet_page
     trials = TRIALS if options.rehearsals is None else options.rehearsals
     sheet = replace(sheet, page=page)
-    write = partial(write_page, text=page)
+    write = partial(write_page, composer=page)
     written, painting = carry_out(options, wanted, write, {}, "always", trials, sheet)
     if written.dryness is not None and not painting.surface.material.grain > 0.0:
         _LOG.warning(

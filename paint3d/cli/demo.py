@@ -70,7 +70,7 @@ def run(options: argparse.Namespace) -> None:
         sys.stdout.write(f"painting the bowl, into {options.out}\n")
         sys.stdout.flush()
     from paint3d.brush.presets import load_brush
-    from paint3d.calligraphy.dips import dipped_as
+    from paint3d.calligraphy.dips import apply_dip_option
     from paint3d.files.load import load_mesh  # after something was said
     from paint3d.recording.recording import load_recording
 
@@ -82,7 +82,7 @@ def run(options: argparse.Namespace) -> None:
         mesh = load_mesh("bowl")
     wanted = PaintingOptions.of(options, resolution=_RESOLUTION_MM)
     brush = load_brush(str(recording.header["brush"]))
-    recording = dipped_as(recording, brush, options.dip or DIPS)
+    recording = apply_dip_option(recording, brush, options.dip or DIPS)
     seconds: dict[str, float] = {}
     painting = paint(prepare(mesh, wanted, seconds), recording, wanted, seconds)
     written = [options.out / name for name in _FILES]

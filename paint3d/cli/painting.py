@@ -538,7 +538,7 @@ def take_layer(painted: Document | PaintedSurface, name: str | None) -> None:
     if name is None:
         return
     if isinstance(painted, PaintedSurface):
-        painted.use_layers().describe(0, name=name)
+        painted.use_layers().set_properties(0, name=name)
         return
     names = [layer.name for layer in painted.layers]
     if name in names:

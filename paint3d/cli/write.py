@@ -77,7 +77,7 @@ if TYPE_CHECKING:
     from paint3d.app.model.document import Document
     from paint3d.calligraphy.photo.flat_page import FlatPage
     from paint3d.calligraphy.seal.stone import Seal
-    from paint3d.calligraphy.writing import Pen, Written
+    from paint3d.calligraphy.writing import WritingSettings, Written
     from paint3d.core.arrays import AnyArray
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
@@ -88,8 +88,8 @@ __all__ = [
     "add_task_options",
     "carry_out",
     "check_files",
-    "pen_of",
     "run",
+    "settings_of",
     "settle_size",
     "sign",
     "signature_of",
@@ -255,7 +255,7 @@ def carry_out(
     source : dict
         What the recording's header says of it besides.
     dips : {"auto", "always"} or int
-        See `dipped_as`.
+        See `apply_dip_option`.
     trials : int
         How often it is painted beforehand, where strokes say how dry or how pale they are.
     sheet : FlatPage, optional
@@ -278,22 +278,22 @@ def carry_out(
         )
     if as_outlines and options.azimuth != "commanded":
         raise InputError("--azimuth dragged turns the tuft; outlines (.svg) need a commanded one")
-    pen = pen_of(options)
+    settings = settings_of(options)
     signature = signature_of(options) if is_signed else None
     seconds: dict[str, float] = {}
     document = open_document(wanted, options) if is_session_path(wanted.on) else None
     if document is None and signature is not None:
         document = new_document(wanted)
     if document is None:
-        surface = _made_ready(wanted, pen, seconds, flat=as_outlines)
+        surface = _made_ready(wanted, settings, seconds, flat=as_outlines)
     else:
         surface = document.surface
         if as_outlines:
             check_is_plane(surface.source)
     take_layer(document or surface, options.layer)
-    written = plan(options, surface, write, pen, source, dips, seconds)
+    written = plan(options, surface, write, settings, source, dips, seconds)
     if options.text is not None and not as_outlines:
-        _say_if_coarse(pen.em_mm, surface)
+        _say_if_coarse(settings.em_mm, surface)
     if trials:
         written = _rehearsed(written, surface, wanted, seconds, trials, sheet)
     recording = inked(written, surface)
@@ -311,7 +311,7 @@ def carry_out(
         with timed(painting.seconds, "export"):
             with ProgressBar("writing", enabled=not options.quiet):
                 ink = options.ink or WRITING_INK
-                export_outlines(surface.source, recording, pen.brush, ink, options.out)
+                export_outlines(surface.source, recording, settings.brush, ink, options.out)
             if watch is not None:
                 watch.write()
         if options.report is not None:
@@ -343,7 +343,7 @@ def settle_size(options: argparse.Namespace, on: str) -> None:
     sheet = parse_sheet(on)
     found = compose(
         sheet, text, options.layout or "columns",
-        is_signed=bool(options.sign or options.seal), gap=options.gap, between=options.between,
+        signature=_signature_length(options), gap=options.gap, between=options.between,
     )  # fmt: skip
     if found is None:
         return
@@ -358,6 +358,11 @@ def settle_size(options: argparse.Namespace, on: str) -> None:
             f"{n} character{'s' if n > 1 else ''} of {found.em_mm:.0f} mm in {lines} {what}"
             f"{'s' if lines > 1 else ''} fill{'' if n > 1 else 's'} the sheet\n"
         )
+
+
+def _signature_length(options: argparse.Namespace) -> int | None:
+    """Characters of the signature that is asked for; 0 for a seal alone, None for neither."""
+    return len("".join((options.sign or "").split())) if options.sign or options.seal else None
 
 
 def _say_if_coarse(em_mm: float, surface: PaintedSurface) -> None:
@@ -375,9 +380,9 @@ def _say_if_coarse(em_mm: float, surface: PaintedSurface) -> None:
 
 def inked(written: Written, surface: PaintedSurface) -> Recording:
     """The recording of a plan, as dry and as pale as it asks for on this surface."""
-    from paint3d.calligraphy.flying_white import inked_as
+    from paint3d.calligraphy.flying_white import with_ink
 
-    return inked_as(written.recording, written.dryness, written.strength, surface.material)
+    return with_ink(written.recording, written.dryness, written.strength, surface.material)
 
 
 class Signature(NamedTuple):
@@ -448,8 +453,8 @@ def sign(
         if not wanted.brush:
             asked.brush = None
         make, source = signature.planner
-        pen = pen_of(asked)
-        line = plan(asked, document.surface, make, pen, source, DIPS, seconds, beside.point)
+        settings = settings_of(asked)
+        line = plan(asked, document.surface, make, settings, source, DIPS, seconds, beside.point)
         paint_onto(document, inked(line, document.surface), wanted, seconds)
     if signature.cut is not None:
         rings = [ring.tolist() for ring in signature.cut(beside.seal_mm).rings]
@@ -458,13 +463,13 @@ def sign(
 
 
 def _made_ready(
-    wanted: PaintingOptions, pen: Pen, seconds: dict[str, float], *, flat: bool
+    wanted: PaintingOptions, settings: WritingSettings, seconds: dict[str, float], *, flat: bool
 ) -> PaintedSurface:
     """The object's surface; what the brush's bent shapes are looked up in is made beside."""
     from paint3d.brush.bending import build_tuft
     from paint3d.core.ahead import beside
 
-    with beside(partial(build_tuft, pen.brush)):
+    with beside(partial(build_tuft, settings.brush)):
         mesh = load_object(wanted)
         if flat:
             check_is_plane(mesh)
@@ -543,14 +548,14 @@ def planner(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[s
     with ProgressBar("looking", enabled=not options.quiet):
         page = open_page(options)
     if page is not None:
-        return partial(write_page, text=page), {}
+        return partial(write_page, composer=page), {}
     source = open_glyphs(options.glyphs)
     if options.around or missing_glyphs(source, options.text):
         from paint3d.calligraphy.fonts.fallback import set_whole, with_fallback
 
         page = set_whole(source, options.text, options.layout, around=options.around)
         if page is not None:
-            return partial(write_page, text=page), {}
+            return partial(write_page, composer=page), {}
         source = with_fallback(source, options.text)
     return partial(write_text, text=options.text, source=source), {"glyphs": source.name}
 
@@ -559,14 +564,14 @@ def plan(
     options: argparse.Namespace,
     surface: PaintedSurface,
     write: Callable[..., Written],
-    pen: Pen,
+    settings: WritingSettings,
     source: dict[str, str],
     dips: str | int,
     seconds: dict[str, float],
     point: AnyArray | None = None,
 ) -> Written:
     """Plan what is written on a surface, dips included, telling the progress; see `carry_out`."""
-    from paint3d.calligraphy.dips import dipped_as
+    from paint3d.calligraphy.dips import apply_dip_option
     from paint3d.calligraphy.layout import Layout
     from paint3d.colour.inks import describe_ink, load_ink
 
@@ -590,27 +595,27 @@ def plan(
 
         written = write(
             surface.source,
-            pen=pen,
+            settings=settings,
             layout=layout,
             header=header,
             processes=options.processes or usable_cores(),
             progress=tell,
         )
-        return replace(written, recording=dipped_as(written.recording, pen.brush, dips))
+        return replace(written, recording=apply_dip_option(written.recording, settings.brush, dips))
 
 
-def pen_of(options: argparse.Namespace) -> Pen:
+def settings_of(options: argparse.Namespace) -> WritingSettings:
     """The brush that is asked for, or that suits the size, and how it is held."""
     from paint3d.brush.presets import brush_for, load_brush
-    from paint3d.calligraphy.planning import PlanSettings
-    from paint3d.calligraphy.writing import Pen
+    from paint3d.calligraphy.path_fit import PlanSettings
+    from paint3d.calligraphy.writing import WritingSettings
 
     brush = load_brush(options.brush) if options.brush else brush_for(options.size)
-    settings = PlanSettings(technique=options.technique, azimuth=options.azimuth)
-    return Pen(
+    planning = PlanSettings(technique=options.technique, azimuth=options.azimuth)
+    return WritingSettings(
         brush,
         options.size,
-        settings,
+        planning,
         variation=options.variation,
         seed=1 if options.seed is None else options.seed,
     )

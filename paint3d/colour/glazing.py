@@ -16,9 +16,8 @@ from numpy.typing import NDArray
 from paint3d.colour.kernels.glazing import Glaze, Ground, dry_vertices, glazed_colours
 from paint3d.colour.kernels.kubelka_munk import Shown, Wet
 from paint3d.colour.layers import SAUNDERSON
-from paint3d.colour.pigments import Pigment
-from paint3d.colour.spectra import N_BANDS, rgb_weights
-from paint3d.colour.vertex_colours import srgb_codes
+from paint3d.colour.pigments import WATER, Pigment
+from paint3d.colour.spectra import N_BANDS, rgb_weights, srgb_codes
 from paint3d.core.arrays import AnyArray
 
 __all__ = ["GlazeModel", "make_ground", "srgb_primaries"]
@@ -57,17 +56,17 @@ class GlazeModel:
     Parameters
     ----------
     pigments : sequence of Pigment
-        At least one; the columns of the amounts. If any was fitted with Saunderson's correction,
-        paint is glossy and the ground is taken as seen through gloss.
+        At least one; the columns of the amounts. A film has as much of Saunderson's correction
+        as it holds of paint that was fitted with it, and takes the ground as seen through that.
     """
 
     def __init__(self, pigments: Sequence[Pigment]) -> None:
-        gloss = SAUNDERSON if any(p.saunderson for p in pigments) else (0.0, 0.0)
         strengths = [(p.K, p.S) for p in pigments]
         self._glaze = Glaze(
             np.ascontiguousarray(np.transpose(strengths, (2, 0, 1)), np.float32),
             np.ascontiguousarray(rgb_weights(), np.float32),
-            np.array(gloss, np.float32),
+            np.array(SAUNDERSON, np.float32),
+            np.array([(p is not WATER, p.saunderson) for p in pigments], np.float32),
         )
 
     def srgb(

@@ -2,7 +2,8 @@
 
 Wet paints mix: K and S add by their fractions of volume. Paint over dry paint glazes: the
 reflectance of the dry layer is the backing of the next one. A glossy film's measured reflectance
-also includes what its surface reflects on the way in and on the way out (Saunderson 1942).
+also includes what its surface reflects on the way in and on the way out (Saunderson 1942); that
+of a film of matt and glossy paints as much of it as it holds of glossy ones.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.colour.kernels.kubelka_munk import layer_bands
-from paint3d.colour.pigments import Pigment, load_pigment
+from paint3d.colour.pigments import WATER, Pigment, load_pigment
 from paint3d.colour.spectra import N_BANDS
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
@@ -96,8 +97,8 @@ def to_internal(measured: ArrayLike, outer: float, inner: float) -> AnyArray:
 
 def mix_pigments(
     parts: Mapping[str | Pigment, float], by_volume: bool = False
-) -> tuple[AnyArray, AnyArray, bool]:
-    """K and S (31,) per coat of a wet mixture, and whether its film is glossy.
+) -> tuple[AnyArray, AnyArray, float]:
+    """K and S (31,) per coat of a wet mixture, and how glossy its film is.
 
     docs/model.md, equations (16) and (16a), for one coat.
 
@@ -105,8 +106,8 @@ def mix_pigments(
     ----------
     parts : mapping
         How much of each pigment, by name or as `Pigment`, >= 0: g of paints that have a density,
-        cm3 of others (all of the palette), or any multiple of both. The mixture counts as glossy
-        if one of its paints was fitted with Saunderson's correction.
+        cm3 of others (all of the palette), or any multiple of both. The gloss is the fraction by
+        volume, 0 to 1, of paints but water that were fitted with Saunderson's correction.
     by_volume : bool
         Whether parts of weighed paints are cm3 too, as in a brush.
 
@@ -131,8 +132,9 @@ def mix_pigments(
     volumes = volumes / total
     k = sum(v * p.K for v, p in zip(volumes, paints, strict=True))
     s = sum(v * p.S for v, p in zip(volumes, paints, strict=True))
-    glossy = any(p.saunderson for v, p in zip(volumes, paints, strict=True) if v > 0)
-    return k, s, glossy
+    film = sum(v for v, p in zip(volumes, paints, strict=True) if p is not WATER)
+    glossy = sum(v for v, p in zip(volumes, paints, strict=True) if p.saunderson)
+    return k, s, float(glossy / film) if glossy else 0.0
 
 
 def mixture_reflectance(
@@ -154,7 +156,7 @@ def mixture_reflectance(
     backing : (31,) array_like
         Reflectance of the surface below as measured, in [0, 1].
     saunderson : bool, optional
-        Correct for the gloss of the film; by default if a paint of it was fitted so.
+        Whether the film is glossy; by default as far as its paints were fitted so.
     by_volume : bool
         Whether parts of weighed paints are volume too, as in a brush.
 
@@ -176,12 +178,12 @@ def mixture_reflectance(
     return stack_reflectance(
         [(k, s, as_number(coats, "coats", 0.0))],
         backing,
-        glossy if saunderson is None else saunderson,
+        glossy if saunderson is None else float(saunderson),
     )
 
 
 def stack_reflectance(
-    layers: Sequence[tuple[ArrayLike, ArrayLike, float]], backing: ArrayLike, glossy: bool = False
+    layers: Sequence[tuple[ArrayLike, ArrayLike, float]], backing: ArrayLike, glossy: float = 0.0
 ) -> AnyArray:
     """Reflectance (31,) as measured of dry layers over a backing, the lowest first.
 
@@ -190,8 +192,8 @@ def stack_reflectance(
     layers : sequence of (K (31,), S (31,), coats)
     backing : (31,) array_like
         As measured, in [0, 1].
-    glossy : bool
-        Whether the top has a gloss and the backing was measured through one.
+    glossy : float
+        How much of a gloss the top has and the backing was measured through, 0 to 1.
 
     Raises
     ------
@@ -205,8 +207,8 @@ def stack_reflectance(
             least=below.min(),
             most=below.max(),
         )
-    if glossy:
-        below = np.maximum(to_internal(below, *SAUNDERSON), 0.0)
+    gloss = [glossy * loss for loss in SAUNDERSON]
+    below = np.maximum(to_internal(below, *gloss), 0.0)
     for k, s, coats in layers:
         below = layer_reflectance(k, s, coats, below)
-    return to_measured(below, *SAUNDERSON) if glossy else below
+    return to_measured(below, *gloss)

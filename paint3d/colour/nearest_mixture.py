@@ -121,16 +121,11 @@ def _coats(
     weights = np.zeros((len(chosen), len(inks)))
     np.add.at(weights, (np.arange(len(chosen))[:, None], chosen), fractions)
     glossy = np.array([ink.saunderson for ink in inks])
-    shiny = (weights[:, glossy] > 0.0).any(axis=1)
-    result: AnyArray = np.empty((len(chosen), N_BANDS))
-    for gloss in (False, True):
-        rows = shiny == gloss
-        if not rows.any():
-            continue
-        below = np.maximum(to_internal(ground, *SAUNDERSON), 0.0) if gloss else ground
-        part = layer_reflectance(weights[rows] @ k, weights[rows] @ s, 1.0, below)
-        result[rows] = to_measured(part, *SAUNDERSON) if gloss else part
-    return result
+    film = np.maximum(weights.sum(axis=1), 1e-12)  # some hold no paint
+    share = weights[:, glossy].sum(axis=1) / film
+    outer, inner = (loss * share[:, None] for loss in SAUNDERSON)
+    below = np.maximum(to_internal(ground, outer, inner), 0.0)
+    return to_measured(layer_reflectance(weights @ k, weights @ s, 1.0, below), outer, inner)
 
 
 def _lab(

@@ -385,7 +385,12 @@ def load_pigments_csv(path: str | Path) -> Mapping[str, Pigment]:
             raise PigmentError(
                 "{file}:1: has no column 'name'; expected commas between columns", file=path
             )
-        raise PigmentError("{file}:1: has no column 'name'", file=path)
+        raise PigmentError(
+            "{file}:1: has no column 'name'; expected a row for each ink: name, and R_400, R_500 "
+            "and so on of an opaque layer, or white, black, W_400 .. and B_400 .. of a film over "
+            "two grounds, reflectances of 0 to 1",
+            file=path,
+        )
     nm, columns = _read_bands(header, path)
     pigments: dict[str, Pigment] = {}
     for line, row in rows:

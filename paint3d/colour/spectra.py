@@ -27,6 +27,7 @@ __all__ = [
     "linear_rgb_from_reflectance",
     "rgb_from_xyz",
     "rgb_weights",
+    "srgb_codes",
     "srgb_from_linear",
     "srgb_from_reflectance",
     "xyz_from_reflectance",
@@ -146,6 +147,12 @@ def srgb_from_linear(linear_rgb: ArrayLike) -> AnyArray:
     verdigris leave the gamut furthest: linear red is -0.18 at a tenth of a coat.
     """
     return np.rint(255.0 * encode_srgb(np.clip(linear_rgb, 0.0, 1.0))).astype(np.uint8)
+
+
+@lru_cache(maxsize=1)
+def srgb_codes() -> AnyArray:
+    """Return the sRGB codes (16384,) uint8 of evenly spaced linear values, <= 0.2 codes a step."""
+    return srgb_from_linear(np.linspace(0.0, 1.0, 1 << 14))
 
 
 def srgb_from_reflectance(spectra: ArrayLike) -> AnyArray:

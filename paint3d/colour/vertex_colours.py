@@ -7,6 +7,9 @@
   twice as fast, within mean 0.09 and maximum 0.5 dE00 of the reference on random mixtures;
   mixtures with any other pigment, where these bands could be wrong by 4 dE00, take all 31;
 - `live`, one pigment: a table over the layer's thickness, three times as fast, within 0.001 dE00.
+
+Where several pigments are known and one of them is glossy, each vertex has the gloss of what lies
+there: that is `GlazeModel`'s work, with all bands on both paths.
 """
 
 from __future__ import annotations
@@ -19,6 +22,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from paint3d.colour.glazing import GlazeModel, make_ground
 from paint3d.colour.kernels.kubelka_munk import (
     Film,
     OneInk,
@@ -34,15 +38,16 @@ from paint3d.colour.spectra import (
     WAVELENGTHS,
     linear_rgb_from_reflectance,
     rgb_weights,
+    srgb_codes,
     srgb_from_linear,
 )
 from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import InputError
 
-__all__ = ["ColourModel", "live_bands", "srgb_codes"]
+__all__ = ["ColourModel", "live_bands"]
 
 _LIVE = Path(__file__).parent / "data" / "live_bands.csv"
-_N_CODES, _N_THICKNESSES, _N_SHADES = 1 << 14, 2048, 1 << 15
+_N_THICKNESSES, _N_SHADES = 2048, 1 << 15
 _NO_RGB = np.empty((0, 3), np.float32)
 
 
@@ -51,12 +56,6 @@ def live_bands() -> tuple[AnyArray, AnyArray]:
     """Return indices (12,) of the live bands among the 31, and their weights (12, 3)."""
     table = np.loadtxt(_LIVE, delimiter=",", skiprows=1)
     return np.searchsorted(WAVELENGTHS, table[:, 0]), table[:, 1:]
-
-
-@lru_cache(maxsize=1)
-def srgb_codes() -> AnyArray:
-    """Return the sRGB codes (16384,) uint8 of evenly spaced linear values, <= 0.2 codes a step."""
-    return srgb_from_linear(np.linspace(0.0, 1.0, _N_CODES))
 
 
 class ColourModel:
@@ -69,8 +68,8 @@ class ColourModel:
     Parameters
     ----------
     pigments : sequence of Pigment
-        At least one; the columns of the amounts. If any was fitted with Saunderson's correction,
-        paint is glossy and the backing is taken as seen through gloss.
+        At least one; the columns of the amounts. A film has as much of Saunderson's correction
+        as it holds of paint that was fitted with it, and takes the backing as seen through that.
     backing : (31,) array_like
         Reflectance of the bare surface as measured, in [0, 1].
     path : {"live", "reference"}
@@ -111,12 +110,13 @@ class ColourModel:
             )
         self.pigments = tuple(pigments)
         self.path = path
-        self._gloss = SAUNDERSON if any(p.saunderson for p in pigments) else (0.0, 0.0)
-        self._ground = np.maximum(to_internal(ground, *self._gloss), 0.0)
+        self._ground = ground
         self.bare_linear_rgb = linear_rgb_from_reflectance(ground).astype(np.float32)
-        self._look: Film | OneInk
+        self._look: Film | OneInk | GlazeModel
         if path == "live" and len(pigments) == 1:
             self._look = self._table()
+        elif any(p.saunderson for p in pigments):
+            self._look = GlazeModel(pigments)
         elif path == "live" and all(load_palette().get(p.name) is p for p in pigments):
             self._look = self._film(*live_bands())
         else:
@@ -124,15 +124,11 @@ class ColourModel:
 
     def _film(self, bands: AnyArray, weights: AnyArray) -> Film:
         """Constants of the mixture kernel for some of the 31 bands and their weights (N, 3)."""
-        outer, inner = self._gloss
         paints = [(p.K[bands], p.S[bands]) for p in self.pigments]
-        scaled = weights * ((1.0 - outer) * (1.0 - inner))
-        offset = outer * weights.sum(axis=0)
         return Film(
             np.ascontiguousarray(np.transpose(paints, (2, 0, 1)), dtype=np.float32),
-            np.column_stack([self._ground[bands], scaled]).astype(np.float32),
-            np.stack([self.bare_linear_rgb, offset]).astype(np.float32),
-            np.float32(inner),
+            np.column_stack([self._ground[bands], weights]).astype(np.float32),
+            self.bare_linear_rgb[None],
         )
 
     def _table(self) -> OneInk:
@@ -142,8 +138,10 @@ class ColourModel:
         bend = np.float32(2.0 / max(strength, 1e-3))
         y = np.linspace(0.0, 1.0, _N_THICKNESSES)
         coats = bend * y / np.maximum(1.0 - y, 1e-7)
-        films = layer_reflectance(pigment.K, pigment.S, coats[:, None], self._ground)
-        rgb = linear_rgb_from_reflectance(to_measured(films, *self._gloss))
+        gloss = SAUNDERSON if pigment.saunderson else (0.0, 0.0)
+        below = np.maximum(to_internal(self._ground, *gloss), 0.0)
+        films = layer_reflectance(pigment.K, pigment.S, coats[:, None], below)
+        rgb = linear_rgb_from_reflectance(to_measured(films, *gloss))
         fine = np.linspace(0.0, 1.0, _N_SHADES)
         between = np.stack([np.interp(fine, y, band) for band in rgb.T], axis=1)
         shades = srgb_from_linear(np.clip(between, 0.0, 1.0))
@@ -207,6 +205,9 @@ class ColourModel:
         wet, shown = Wet(ids, amounts, coverage), Shown(srgb_codes(), rgb, out)
         if isinstance(self._look, OneInk):
             single_colours(wet, self._look, shown)
+        elif isinstance(self._look, GlazeModel):
+            below = make_ground(self._ground)
+            self._look.srgb(amounts, coverage, below, out, ids, linear_rgb)
         else:
             mixture_colours(wet, self._look, shown)
         return out

@@ -6,7 +6,7 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from paint3d.core.arrays import AnyArray
 from paint3d.core.atomic import write_atomically
@@ -304,11 +304,12 @@ def _write_png(path: Path, painting: Painting, options: ExportOptions, unit: str
     from PIL import Image
 
     from paint3d.files.colour_tags import picture_tags
-    from paint3d.view.picture import draw_picture  # brings VTK: only where a picture is asked
+    from paint3d.view.shot import AUTO, FLAT, Shot, take_shot  # VTK: only for pictures
 
-    look: dict[str, Any] = {} if options.size is None else {"size": options.size}
+    is_flat = painting.is_sheet and options.size is None
+    shot = Shot(FLAT if is_flat else AUTO, options.size)
     arrays = *painting[:3], painting.shown_srgb
-    pixels = draw_picture(*arrays, gloss=gloss_of(painting), edges=painting.edges, **look)
+    pixels = take_shot(arrays, shot, gloss_of(painting), painting.edges)
     Image.fromarray(pixels).save(path, format="PNG", **picture_tags(painting.gamut, "PNG"))
 
 

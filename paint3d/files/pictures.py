@@ -17,7 +17,7 @@ from paint3d.errors import ExportError, InputError, Message
 from paint3d.files.colour_tags import picture_tags
 from paint3d.files.export import gloss_of
 from paint3d.files.export_options import ExportOptions
-from paint3d.files.progress import Progress
+from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.painting import Exportable, Painting, read_painting
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.film import FILMS, MOST_PIXELS, Growth, film_form, is_held_whole, write_film
@@ -36,6 +36,7 @@ __all__ = [
 PICTURE_SUFFIXES, FILM_SUFFIXES = (".png", ".webp"), tuple(FILMS)
 _FORMS = {".png": "PNG", **FILMS}
 _QUALITY = 92  # of a WebP
+_READ, _TAKEN = 0.6, 0.97  # of the time, about, until the painting is read and the picture there
 _MOST_LIGHTS = 120  # in a turn of a film, in which the light on the object is found anew
 
 
@@ -96,13 +97,17 @@ def write_picture(
         )
     other = None if material is None else Gloss.of(material)
     roughness = None if other is None else other.seen_roughness
-    read = read_painting(painting, ExportOptions(viewing=viewing), roughness=roughness)
+    reading = part_of(progress, 0.0, _READ) if turning is None else None
+    read = read_painting(painting, ExportOptions(viewing=viewing), reading, roughness)
     assert isinstance(read, Painting), "no texture was asked for"
     gloss = gloss_of(read, other)
     arrays, how = (*read[:3], read.shown_srgb), _how(form) | picture_tags(read.gamut, form)
     with write_atomically(path, progress) as part:
         if turning is None:
-            Image.fromarray(take_shot(arrays, shot, gloss, read.edges)).save(part, form, **how)
+            pixels = take_shot(arrays, shot, gloss, read.edges)
+            if progress is not None:
+                progress(_TAKEN)
+            Image.fromarray(pixels).save(part, form, **how)
             return
         n = turning.n_pictures
         pictures = map(Image.fromarray, take_turning(arrays, shot, n, gloss, read.edges))

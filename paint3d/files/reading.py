@@ -67,8 +67,8 @@ DRAWINGS = {".svg": "SVG", ".dxf": "DXF"}
 RECORDS = ".p3d.txt"  # a suffix of two words, of which .txt alone is none
 BESIDE = (".gltf", ".glb", ".obj", ".ply", ".dae", ".zae")  # may refer to others in their folder
 WANT_TEXTURE = (".3mf", ".stl", ".off")
-# Hold all that they say of colours, .stl and .off those of faces, and refer to no other file: their
-# readers take no folder, only whether colours are wanted.
+# Formats that hold their colours themselves (.stl and .off only those of faces) and refer to no
+# other file: their readers take no folder, only whether colours are wanted.
 MESH_SUFFIXES = tuple(READERS)
 WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 
@@ -111,7 +111,17 @@ class Reading:
     @cached_property
     def likely_up(self) -> Upright | None:
         """Which way is up, likely; None where it is known."""
-        return None if self.knows_up else guess_up(self.mesh)
+        return None if self.knows_up else self.up_by_shape
+
+    @cached_property
+    def up_by_shape(self) -> Upright:
+        """Which axis of the mesh points up by its shape, whatever its file says."""
+        return guess_up(self.mesh)
+
+    @property
+    def is_oddly_up(self) -> bool:
+        """Whether its shape surely stands otherwise than the mesh does."""
+        return self.up_by_shape.sure and self.up_by_shape.up != "z"
 
 
 AS_IT_IS = Wanted()

@@ -19,7 +19,7 @@ from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.layout import Layout
-from paint3d.calligraphy.writing import Pen, write_text
+from paint3d.calligraphy.writing import WritingSettings, write_text
 from paint3d.core.arrays import AnyArray
 from paint3d.files.load import load_mesh
 from paint3d.page.tables import Table
@@ -82,8 +82,8 @@ def _plan(text: str, source: GlyphSource, brush: str, em_mm: float) -> list[AnyA
     """A character's strokes on flat paper, (M, 9) each."""
     side = _AROUND * em_mm
     paper = load_mesh(f"sheet:{side:g}x{side:g}")
-    pen = Pen(load_brush(brush), em_mm)
-    written = write_text(paper, text, source, pen, Layout(point=(0.0, 0.0, 0.0))).recording
+    settings = WritingSettings(load_brush(brush), em_mm)
+    written = write_text(paper, text, source, settings, Layout(point=(0.0, 0.0, 0.0))).recording
     assert written.pressure is not None, "a plan says how firmly the brush is pressed"
     down = np.concatenate([[False], written.pressure > 0.0, [False]])
     ends = np.flatnonzero(down[1:] != down[:-1]).reshape(-1, 2)

@@ -15,6 +15,7 @@ from paint3d import __version__
 from paint3d.app.window.wording import (
     choose_language,
     language,
+    say,
     say_brush,
     say_object,
 )
@@ -61,6 +62,8 @@ INKS = ("pine soot", "heavy", "light", "clear", "cinnabar", "indigo", "gamboge",
 MATERIALS = ("porcelain", "bisque", "xuan", "sized xuan", "silk")
 COPYBOOK = "永"
 COPYBOOK_EM_MM = 40.0
+_LITERALS = re.compile(r"""(?=(["'`])((?:(?!\1)[^\\\n]|\\.){4,300})\1)""")
+"""What may be a text in a script: all between two quotation marks that are alike."""
 _CHINESE_OF_TONES = {"heavy": "重墨", "light": "淡墨", "clear": "清墨"}
 
 
@@ -174,6 +177,7 @@ def build_page(
         _write_json(out / "contents.json", contents)
         if page is not None:
             _copy_page(page, out)
+            _write_json(out / "notes.zh.json", _chinese_notes(page))
     except OSError as cause:
         raise ExportError("{file}: cannot write the page: {cause}", file=out, cause=cause) from None
     progress(1.0)
@@ -260,6 +264,15 @@ def _chinese_of(parts: Mapping[Pigment, float]) -> str:
     return "、".join(p.chinese or p.name for p in parts if p is not WATER)
 
 
+def _chinese_notes(page: Path) -> dict[str, str]:
+    """What the page's scripts say of somebody's files, in Chinese: texts of the catalogue."""
+    scripts = [path.read_text("utf-8") for path in sorted((page / "assets").glob("*.js"))]
+    found = {literal for script in scripts for _, literal in _LITERALS.findall(script)}
+    texts = {re.sub(r"\\(.)", r"\1", literal) for literal in found}
+    with _in_chinese():
+        return {text: say(text) for text in sorted(texts) if say(text) != text}
+
+
 @contextmanager
 def _in_chinese() -> Iterator[None]:
     """Within, names are said in Chinese."""
@@ -277,8 +290,9 @@ def _plain(name: str) -> str:
 
 
 def _copy_page(page: Path, out: Path) -> None:
-    for path in (out / "assets").glob("index-*"):
-        path.unlink()  # of an earlier page
+    for name in ("index-*", "*_worker-*"):
+        for path in (out / "assets").glob(name):
+            path.unlink()  # of an earlier page
     for path in sorted(page.rglob("*")):
         if path.is_file():
             (out / path.relative_to(page)).parent.mkdir(exist_ok=True, parents=True)

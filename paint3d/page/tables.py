@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.bending import FARTHEST_DRAG, build_tuft
+from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.brush.spec import build_curves
+from paint3d.brush.spec import LARGEST_DRAG_FRACTION, build_curves
 from paint3d.brush_engine.bristles.state import make_hairs
 from paint3d.brush_engine.dry_contact import bundle_noise, contact_noise
 from paint3d.brush_engine.footprint import PROFILE_CELLS
@@ -23,12 +23,18 @@ from paint3d.brush_engine.scratch import ROWS, make_scratch
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
 from paint3d.colour.glazing import srgb_primaries
-from paint3d.colour.layers import SAUNDERSON, to_internal
+from paint3d.colour.layers import SAUNDERSON
 from paint3d.colour.materials import Material
 from paint3d.colour.pigments import WATER, Pigment, load_palette
-from paint3d.colour.spectra import rgb_weights, srgb_from_reflectance
-from paint3d.colour.vertex_colours import ColourModel, live_bands, srgb_codes
+from paint3d.colour.spectra import (
+    decode_srgb,
+    rgb_weights,
+    srgb_codes,
+    srgb_from_reflectance,
+)
+from paint3d.colour.vertex_colours import ColourModel, live_bands
 from paint3d.core.arrays import AnyArray
+from paint3d.mesh.base_surface import CREASE_ANGLE
 from paint3d.mesh.bvh import ClosestPoints, build_contact_tree
 from paint3d.mesh.kernels.bvh import FACES_PER_LEAF, LEAF_SIZE, ContactTree
 from paint3d.mesh.kernels.paper import MOST_ASIDE_MM
@@ -63,6 +69,12 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
     words = {
         "sizes": _sizes(),
         "saunderson": SAUNDERSON,
+        "preparing": {
+            "crease_cosine": float(np.cos(CREASE_ANGLE)),
+            "most_around_edge": MOST_AROUND_EDGE,
+            "most_aside_mm": MOST_ASIDE_MM,
+            "leaf_sizes": {"contact": LEAF_SIZE, "closest": FACES_PER_LEAF},
+        },
         "pigments": [
             {
                 "name": pigment.name,
@@ -84,6 +96,7 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
         "rgb_weights": rgb_weights(),
         "srgb_primaries": srgb_primaries().astype(np.float32),
         "fibre_frames": fibre_frames(),
+        "decoded_codes": decode_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32),
         **{f"K.{pigment.name}": pigment.K for pigment in pigments},
         **{f"S.{pigment.name}": pigment.S for pigment in pigments},
     }
@@ -125,7 +138,7 @@ def brush_table(name: str, chinese: str) -> Table:
         "chinese": chinese,
         "length_mm": brush.length_mm,
         "rubbing": brush.spread_by_friction * brush.friction,
-        "farthest_drag": FARTHEST_DRAG,
+        "farthest_drag": LARGEST_DRAG_FRACTION,
         "tuft": {key: value for key, value in tuft.items() if isinstance(value, float)},
     }
     arrays |= {f"curves.{key}": value for key, value in curves.items()}
@@ -195,8 +208,6 @@ def material_table(material: Material, pigments: Sequence[Pigment]) -> Table:
         "reflectance": reflectance.astype(np.float32),
         "bare": srgb_from_reflectance(material.reflectance),
         "bare_linear_rgb": ColourModel(pigments[:1], reflectance).bare_linear_rgb,
-        "ground": np.maximum(to_internal(reflectance, 0.0, 0.0), 0.0),
-        "glossy_ground": np.maximum(to_internal(reflectance, *SAUNDERSON), 0.0),
     }
     for pigment in pigments:
         table = ColourModel([pigment], reflectance).single

@@ -590,7 +590,8 @@ class Painter:
             raise RecordingError(
                 "the recording's space is 'pad'; expected 'world': lay it on the object first, by "
                 "paint3d.painter.flat_input.lay_at, as in painter.replay(lay_at(recording, mesh, "
-                "(0.5, 0.5), width_mm=60))"
+                "(0.5, 0.5), width_mm=60))",
+                hint="points on the object are painted by painter.stroke(points, pressure=...)",
             )
         length_mm = self.brush.length_mm
         recording = rooted(recording, length_mm)

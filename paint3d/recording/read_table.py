@@ -129,6 +129,7 @@ def read_csv(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recordin
             number=number,
             names=", ".join(names)[:200],
             times=", ".join(_TIMES),
+            hint="in Python, painter.stroke(points, pressure=...) needs no times",
         )
     table = NumberTable(names, name, _EXACT, _MAY_LACK)
     table.read(lines, delimiter, partial(_cells, delimiter=delimiter))

@@ -31,7 +31,7 @@ from paint3d.surface.ink_store import InkStore, union
 from paint3d.surface.kernels.diffusion import Drying, ease_entries, evaporate, solve_edges
 from paint3d.surface.kernels.wet_graph import grade_paces
 from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Absorption, Workspace, move_water
-from paint3d.surface.pores import capacity_of, film_of
+from paint3d.surface.pores import capacity_of, entry_ratio_of, film_of
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 
 __all__ = ["Flow", "Water", "WorkMemory", "work_memory"]
@@ -128,7 +128,10 @@ class Flow:
         self._store = store
         self._patch = WetPatch(store)
         made_of = store.material
-        self._absorption = Absorption(capacity_of(made_of), film_of(made_of), made_of.passing)
+        self._absorption = Absorption(
+            capacity_of(made_of), film_of(made_of), made_of.passing, made_of.pores_mm,
+            entry_ratio_of(made_of),
+        )  # fmt: skip
         self.steps = 0
         self._ease = 1.0
         self.waiting = np.zeros(0, np.int32)

@@ -464,7 +464,7 @@ class LayerStack:
         for _ in range(first, last + 1):
             self.remove(first)
 
-    def describe_group(self, place: int, **changes: Any) -> None:
+    def set_group_properties(self, place: int, **changes: Any) -> None:
         """Change what is said of the group of a layer: any attribute of a `Group` but its key.
 
         Raises
@@ -522,7 +522,7 @@ class LayerStack:
             raise InputError("layer {place} is in no group; expected one of a group", place=place)
         return self._group_of[key]
 
-    def describe(self, place: int, **changes: Any) -> None:
+    def set_properties(self, place: int, **changes: Any) -> None:
         """Change a layer's name, whether it is visible or locked, its opacity, or its blend.
 
         Raises

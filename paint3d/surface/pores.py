@@ -27,6 +27,7 @@ __all__ = [
     "Pores",
     "capacity_of",
     "close_pores",
+    "entry_ratio_of",
     "even_exp",
     "fibre_frames",
     "fibre_relief",
@@ -129,13 +130,14 @@ _SIEVE = 2.8  # saturation at which pores let all soot pass, per unit of 1 - `pa
 _FIBRES_OF_SIEVE = 0.5  # log of the drop of that potential along fibres, whose pores are wide
 _RAW_MM = 0.06  # depth of the pores of raw paper
 _CATCH_MM = 0.4  # in such: way through pores after which 1 / e of the fine pigment is still afloat
-_FIBRES_OF_CATCH, _FLOCS_OF_CATCH = 1.2, 1.0  # log of that way along fibres, and lost in flocs
+_FIBRES_OF_CATCH, _FLOCS_OF_CATCH = 0.6, 1.0  # log of that way along fibres, and lost in flocs
 _GLUE = 0.25  # coats of dried ink that close half of what can be closed
 _GLUE_OF_WAYS = 0.9  # greatest fraction of the conductance that glue takes
 _GLUE_OF_ENTRY = 0.85  # of the range from the advance saturation to full pores, at most
 _FULL = 0.98  # saturation that counts as full
 _LEAST_MM = 0.012  # film held where there are no pores, by glue as it thickens
 _FILM_MM2_S = 0.3  # least diffusivity of a film of water: a few hundredths of a mm level in seconds
+_ENTRY_RATIO = 0.3  # entry potential of a cell's widest pores over that of its narrowest
 _POOL_MM = 0.25  # depth of a pool at which its border advances over a water-repellent surface
 _SHEDS = (0.6, 0.9)  # advance saturations at which repellence starts, and is complete
 
@@ -148,6 +150,22 @@ def capacity_of(material: Material) -> float:
 def film_of(material: Material) -> float:
     """Return the diffusivity of a film of water on full pores, mm2/s."""
     return max(material.spread_mm2_s, _FILM_MM2_S)
+
+
+def repellence_of(material: Material) -> float:
+    """Return how far a surface repels water, 0 to 1."""
+    low, high = _SHEDS
+    if not material.pores_mm:
+        return 1.0
+    return min(max((material.advance - low) / (high - low), 0.0), 1.0)
+
+
+def entry_ratio_of(material: Material) -> float:
+    """Return the entry potential of a cell's widest pores over that of its narrowest, 0 to 1.
+
+    Narrow pores fill at a higher potential. A pool that stands on a surface has none to fill: 1.
+    """
+    return _ENTRY_RATIO + (1.0 - _ENTRY_RATIO) * repellence_of(material)
 
 
 def mobility_of(material: Material, grain_um: AnyArray) -> NDArray[np.float64]:
@@ -223,11 +241,7 @@ def close_pores(
     )
     s = np.clip((entry_depth / depth - pores.residual), 0.0, 1.0)
     s = np.minimum(1.0, s / (1.0 - pores.residual))
-    low, high = _SHEDS
-    repellence = (
-        np.clip((material.advance - low) / (high - low), 0.0, 1.0) if material.pores_mm else 1.0
-    )
-    pool_entry = film_of(material) * _POOL_MM * repellence
+    pool_entry = film_of(material) * _POOL_MM * repellence_of(material)
     return (
         entry_depth,
         pores.strength * (s * s * s) + pool_entry,

@@ -324,7 +324,7 @@ def _put_layers(surface: PaintedSurface, state: State) -> None:
                 about=about,
             )
         group = about.pop("group", None)
-        stack.describe(place, **about)
+        stack.set_properties(place, **about)
         stack.put_in_group(place, None if group is None else read_group(group))
         prefix = "" if place == active else f"layer{place}_"
         own = {

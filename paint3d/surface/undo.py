@@ -486,7 +486,7 @@ class UndoHistory:
 
     def begin(self, label: object) -> None:
         """Start a step; steps undone before can no longer be redone."""
-        self.seal()
+        self.end_part()
         if self._done:
             self._done[-1].parts += self._since.parts
         self._since.parts = []
@@ -504,17 +504,17 @@ class UndoHistory:
             Returns the present state of it as an exchangeable part.
         action : callable
         """
-        self.seal()
+        self.end_part()
         before = state()
         action()
         self._add(before)
         self._begin_here()
 
     def before(self, vertex_ids: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Return amounts (N, P) and coverage (N,) of vertices (N,) at the last step or `seal`."""
+        """Return amounts (N, P) and coverage (N,) of vertices (N,) at the last step or part."""
         return self._recorder.before(vertex_ids)
 
-    def seal(self) -> None:
+    def end_part(self) -> None:
         """Add what changed so far to the current step, if anything did."""
         delta, kept = self._recorder.take(), self._kept
         self._kept = self._keep()
@@ -606,7 +606,7 @@ class UndoHistory:
             self.change(stack.state, lambda: stack.put(now))
             brush.put(surface)
             self._restore(kept)
-            self.seal()
+            self.end_part()
         except BaseException:
             self._done = []
             stack.put(now)
@@ -623,7 +623,7 @@ class UndoHistory:
 
         Returns them as a step, and the vertices (N,) int32 whose colours may change.
         """
-        self.seal()
+        self.end_part()
         step, self._since = self._since, Step(None, 0)
         return step, self._exchange(step)
 
@@ -705,7 +705,7 @@ class UndoHistory:
 
     def steps(self) -> tuple[Sequence[Step], Step, Sequence[Step]]:
         """Return the done steps, the changes since an undo, and the undone steps, all sealed."""
-        self.seal()
+        self.end_part()
         return tuple(self._done), self._since, tuple(self._undone)
 
     def packed(self, step: Step, place: int, flows: dict[int, PackedFlow]) -> PackedDelta:

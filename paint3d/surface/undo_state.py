@@ -401,7 +401,7 @@ def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
             if {name: type(value) for name, value in one.items()} != _ABOUT:
                 raise SessionError("a layer is described by {one!r:.80}", one=one)
             stack.add(one["name"], len(stack))
-            stack.describe(len(stack) - 1, **one)
+            stack.set_properties(len(stack) - 1, **one)
             keys.append(stack.state().active)
             own = f"gone{k}_"
             content = {n.removeprefix(own): v for n, v in state.items() if n.startswith(own)}

@@ -92,6 +92,7 @@ class LiveObject:
         self.radius = 0.5 * float(np.linalg.norm(high - low))
         self.is_solid = surface.source.is_solid
         self._all = True
+        self._n_followed = surface.paint_mesh.n_vertices  # at the last `uploads`
         self._coarse: CoarseObject | None = None
         self._coarse_triangles = 0
         self._changed = np.empty(0, np.int32)
@@ -132,6 +133,7 @@ class LiveObject:
             Vertices whose colours have changed; `PaintedSurface.refresh` returns them.
         """
         surface = self.surface
+        self._n_followed = surface.paint_mesh.n_vertices
         srgb = surface.codes
         everything, self._all = self._all, False
         if everything:
@@ -217,7 +219,8 @@ class LiveObject:
     def coarse_for(self, pixel_mm: float, n_triangles: int) -> CoarseObject | None:
         """Return a coarse version to draw while the view moves; None if the last one still fits.
 
-        Call it after `uploads`, while nothing paints.
+        Also None where vertices were added since `uploads`, which follows them first. Call it while
+        nothing paints.
 
         Parameters
         ----------
@@ -227,6 +230,8 @@ class LiveObject:
             Approximate greatest number of triangles.
         """
         if self.coarse_fits(pixel_mm, n_triangles):
+            return None
+        if self._n_followed != self.surface.paint_mesh.n_vertices:
             return None
         surface, self._coarse_triangles = self.surface, n_triangles
         size = max(_PIXELS * pixel_mm, self._fewest_mm(n_triangles))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -14,6 +15,8 @@ from paint3d.errors import InputError, UnknownNameError
 from paint3d.view.camera import Camera, View, find_view, fit_camera, studio_axes, vertex_areas
 from paint3d.view.edges import Edges
 from paint3d.view.picture import (
+    LARGEST,
+    SMALLEST,
     Lighting,
     Setting,
     Stand,
@@ -32,6 +35,7 @@ __all__ = [
     "VIEWS",
     "Moment",
     "Shot",
+    "flat_size",
     "take_film",
     "take_shot",
     "take_turning",
@@ -372,13 +376,18 @@ def _frame(
     wide, tall = np.maximum(high - low, 1e-6 * max(float((high - low).max()), 1e-9)).tolist()
     size = shot.size
     if size is None and shot.view == FLAT:
-        longest = SIZE[0] / max(wide, tall)
-        across, down = (int(np.clip(round(n * longest), 16, SIZE[0])) for n in (wide, tall))
-        size = across, down
+        size = flat_size(wide, tall)
     size = checked_size(size or SIZE)
     height = max(tall, wide * size[1] / size[0])
     border = 1.0 if shot.view == FLAT else BORDER
     return Frame(axes, (low + high) / 2, border * height / shot.zoom), size
+
+
+def flat_size(wide: float, tall: float) -> tuple[int, int]:
+    """The usual size of a flat picture of an object, pixels: as many as a square of 1600 has."""
+    scale = min(SIZE[0] / math.sqrt(wide * tall), LARGEST / max(wide, tall))
+    across, down = (max(SMALLEST, round(scale * n)) for n in (wide, tall))
+    return across, down
 
 
 def _swept(vertices: AnyArray) -> NDArray[np.float64]:

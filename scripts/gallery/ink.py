@@ -130,7 +130,7 @@ def flowers(folder: Path) -> None:
     """Plum blossom on a vase wrapped in xuan."""
     mesh = load_mesh("vase")
     mesh = TriangleMesh(mesh.vertices * np.float32(0.5), mesh.faces, name="vase")
-    surface = PaintedSurface(mesh, 0.5, "xuan")
+    surface = PaintedSurface(mesh, 0.22, "xuan")
     chart = make_chart(ClosestPoints(mesh), place(ClosestPoints(mesh), (0.5, 0.56)), 52.0, 88.0)
     blossoms = (
         ((19, 47), 15, 0.3), ((-31, 44), 13, 1.1), ((-3, 6), 15, 0.7), ((36, 16), 12, 0.1),

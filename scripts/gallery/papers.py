@@ -17,8 +17,8 @@ from writing import beside, drawn, seen_from_above, stacked, titled, written
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.layout import Layout
-from paint3d.calligraphy.planning import TECHNIQUES, PlanSettings
-from paint3d.calligraphy.writing import Pen, write_text
+from paint3d.calligraphy.path_fit import TECHNIQUES, PlanSettings
+from paint3d.calligraphy.writing import WritingSettings, write_text
 from paint3d.device.sample import DeviceSample
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
@@ -269,9 +269,9 @@ def draw_shi(file: Path, glyphs: Path) -> None:
 
 def draw_manbu(file: Path, glyphs: Path) -> None:
     """漫步人生 on the bowl as it is written, and later: xuan drinks; then a plum in its bottom."""
-    pen = Pen(load_brush("xiaobaiyun"), 30.0, PlanSettings())
+    settings = WritingSettings(load_brush("xiaobaiyun"), 30.0, PlanSettings())
     mesh, pictures = load_mesh("bowl"), []
-    told = write_text(mesh, "漫步人生", open_glyphs(glyphs), pen, Layout("row"))
+    told = write_text(mesh, "漫步人生", open_glyphs(glyphs), settings, Layout("row"))
     side = View((0.0, -1.0, 0.3), (0.0, 0.0, 1.0), 1.12)
     for seconds in (0.0, 20.0):
         surface = PaintedSurface(mesh, 0.3, "xuan")
@@ -291,8 +291,8 @@ def draw_manbu(file: Path, glyphs: Path) -> None:
 
 def draw_sea_of_clouds(file: Path, glyphs: Path) -> None:
     """云海, written four times as fast with a dry brush of single hairs: flying white."""
-    pen = Pen(load_brush("feibai"), 90.0, PlanSettings())
-    told = write_text(load_mesh("plane"), "云海", open_glyphs(glyphs), pen, Layout("row"))
+    settings = WritingSettings(load_brush("feibai"), 90.0, PlanSettings())
+    told = write_text(load_mesh("plane"), "云海", open_glyphs(glyphs), settings, Layout("row"))
     slow = told.recording
     fast = Recording(
         slow.time_ns // 4, slow.position, slow.orientation, slow.pressure, header=slow.header

@@ -10,12 +10,12 @@ import numpy as np
 from PIL import Image
 
 from paint3d.brush.presets import choose_brush, load_brush
-from paint3d.calligraphy.flying_white import dried_as
+from paint3d.calligraphy.flying_white import with_dryness
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.calligraphy.photo.copying import Asked, copy_sheet
 from paint3d.calligraphy.photo.likeness import PaintedSheet, likeness_of, painted_sheet
-from paint3d.calligraphy.writing import Pen, Written, write_page
+from paint3d.calligraphy.writing import WritingSettings, Written, write_page
 from paint3d.colour.materials import load_material
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
@@ -67,9 +67,9 @@ def _sheet(dryness: tuple[tuple[float, ...], ...] | None, seed: int) -> TrueShee
 
 def _painted(page: Page) -> tuple[Written, PaintedSurface]:
     mesh, brush = load_mesh("plane"), load_brush(choose_brush(EM))
-    written = write_page(mesh, page, Pen(brush, EM))
+    written = write_page(mesh, page, WritingSettings(brush, EM))
     xuan = load_material("xuan")
-    recording = dried_as(written.recording, written.dryness, xuan)
+    recording = with_dryness(written.recording, written.dryness, xuan)
     surface = PaintedSurface(mesh, RESOLUTION, material=xuan)
     Painter(surface, brush, amount=recorded_amount(recording.header)).replay(recording)
     surface.refresh()

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import numpy as np
 from PIL import Image
-from PySide6 import QtCore, QtGui, QtWidgets
+from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.input.navigation import dolly, orbit, pan
 from paint3d.app.window.copybook.strokes_dialog import StrokesDialog
@@ -59,9 +59,10 @@ def follow(window: StudioWindow, line: np.ndarray) -> None:
     mouse(window, KIND.MouseButtonPress, *places[0], down=True)
     for place in places:
         mouse(window, KIND.MouseMove, *place, down=True)
-        live(0.02)
+        live(0.05)
     mouse(window, KIND.MouseButtonRelease, *places[-1])
-    live(0.1)
+    window.stage.paint_thread.post(lambda document: None).result()
+    live(0.5)
 
 
 def opened(app: QtWidgets.QApplication, name: str, language: str, *, dark: bool) -> StudioWindow:
@@ -74,6 +75,16 @@ def opened(app: QtWidgets.QApplication, name: str, language: str, *, dark: bool)
     while not window.stage.is_lit or window.panels.brushes.is_busy:
         live(0.1)
     return window
+
+
+def choose(window: StudioWindow, name: str) -> None:
+    """Click a panel's tab, by which it gets the height that it needs."""
+    title = window.panels.docks[name].windowTitle()
+    for bar in window.findChildren(QtWidgets.QTabBar):
+        for k in range(bar.count()):
+            if bar.tabText(k) == title:
+                QtTest.QTest.mouseClick(bar, BUTTON.LeftButton, pos=bar.tabRect(k).center())
+    live(0.2)
 
 
 def keep(window: StudioWindow, path: Path) -> None:
@@ -97,9 +108,11 @@ def demo(app: QtWidgets.QApplication, path: Path) -> None:
     camera = orbit(window.hand.camera, -10.0, -120.0, height)
     window.hand.look(dolly(pan(camera, 0.0, -20.0, height), 1.45))
     window.workspace.post("dip", "cinnabar")
-    window.panels.docks["inks"].raise_()
-    window.panels.docks["history"].raise_()
-    live(0.5)
+    for name in ("history", "inks"):
+        choose(window, name)
+    live(2.0)  # so that the camera is where it goes
+    mouse(window, KIND.MouseMove, 0.62 * window.canvas.width(), 0.51 * height)
+    live(1.0)
     mouse(window, KIND.MouseMove, 0.63 * window.canvas.width(), 0.52 * height)
     keep(window, path)
 
@@ -108,7 +121,7 @@ def copybook(app: QtWidgets.QApplication, path: Path) -> None:
     """Writing after a copybook on the vase, in Chinese and in the dark."""
     window = opened(app, "vase", "zh", dark=True)
     window.copying.layout_text("永和九年", 38.0, True)
-    window.panels.docks["copybook"].raise_()
+    choose(window, "copybook")
     window.workspace.post("set_brush", "zhongkai")
     window.hand.look(dolly(pan(window.hand.camera, 20.0, -50.0, window.canvas.height()), 2.3))
     window.hand.hand.force = 1.4
@@ -117,7 +130,7 @@ def copybook(app: QtWidgets.QApplication, path: Path) -> None:
     ghosts = window.panels.copybook.copybook.ghosts
     lines = [*ghosts[0].medians, *ghosts[1].medians[:3]]
     for line in lines:
-        follow(window, line[:: max(1, len(line) // 16)])
+        follow(window, line[:: max(1, len(line) // 24)])
     live(1.0)
     keep(window, path)
 

@@ -13,13 +13,13 @@ import paint3d
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import choose_brush, load_brush
 from paint3d.brush.spec import DipAmount
-from paint3d.calligraphy.dips import dipped_as
+from paint3d.calligraphy.dips import apply_dip_option
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.kanjivg import find_kanjivg, load_lines
 from paint3d.calligraphy.kernels import raster
 from paint3d.calligraphy.layout import Layout
-from paint3d.calligraphy.planning import TECHNIQUES, PlanSettings
-from paint3d.calligraphy.writing import Pen, write_text
+from paint3d.calligraphy.path_fit import TECHNIQUES, PlanSettings
+from paint3d.calligraphy.writing import WritingSettings, write_text
 from paint3d.cli.painting import WRITING_INK
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
@@ -43,9 +43,11 @@ def painted(recording: Recording, name: str, resolution: float, material: str) -
 def written(text: str, name: str, em: float, glyphs: Path | None, layout: Layout, **look):
     """A text on an object."""
     settings = PlanSettings(technique=look.pop("technique", None))
-    pen = Pen(load_brush(look.pop("brush", choose_brush(em))), em, settings, variation=1.0)
-    told = write_text(load_mesh(name), text, open_glyphs(glyphs), pen, layout, header=look)
-    recording = dipped_as(told.recording, pen.brush, "auto")
+    settings = WritingSettings(
+        load_brush(look.pop("brush", choose_brush(em))), em, settings, variation=1.0
+    )
+    written = write_text(load_mesh(name), text, open_glyphs(glyphs), settings, layout, header=look)
+    recording = apply_dip_option(written.recording, settings.brush, "auto")
     material = "xuan" if "plane" in name or "sheet" in name else "porcelain"
     return painted(recording, name, em / 200.0, material)
 
@@ -181,14 +183,14 @@ def stacked(pictures: list[Image.Image]) -> Image.Image:
 def draw_dips(file: Path, glyphs: Path) -> None:
     """A column in full black, dipped as a writer would, and so with single hairs."""
     text, em = "春眠不覚暁", 20.0
-    pen = Pen(load_brush(choose_brush(em)), em)
-    told = write_text(load_mesh("plane"), text, open_glyphs(None), pen, Layout())
-    dipped = dipped_as(told.recording, pen.brush, "auto")
+    settings = WritingSettings(load_brush(choose_brush(em)), em)
+    written = write_text(load_mesh("plane"), text, open_glyphs(None), settings, Layout())
+    dipped = apply_dip_option(written.recording, settings.brush, "auto")
     columns = []
-    for recording, hairs in ((told.recording, 0), (dipped, 0), (dipped, 1000)):
+    for recording, hairs in ((written.recording, 0), (dipped, 0), (dipped, 1000)):
         surface = PaintedSurface(load_mesh("plane"), resolution=0.1, material="xuan")
         amount = DipAmount.of(recording.header.get("dip", {}))
-        Painter(surface, pen.brush, hairs=hairs, amount=amount).replay(recording)
+        Painter(surface, settings.brush, hairs=hairs, amount=amount).replay(recording)
         columns.append(seen_from_above(surface, (-12, -52, 12, 52), 320))
     beside(columns).save(file)
 

@@ -110,6 +110,18 @@ def plain_previews() -> Iterator[None]:
 
 
 @pytest.fixture(autouse=True)
+def nothing_is_awaited() -> Iterator[None]:
+    """Fail a test that awaits a dialog that does not open: it would answer another test's."""
+    yield
+    if "tests.support.app.gestures" in sys.modules:
+        from tests.support.app.gestures import AWAITED
+
+        left = list(AWAITED.values())
+        AWAITED.clear()
+        assert not left, f"still awaited: {', '.join(left)}"
+
+
+@pytest.fixture(autouse=True)
 def windows_go() -> Iterator[None]:
     """Delete the windows that a test has closed: each new one's theme restyles all there are."""
     yield

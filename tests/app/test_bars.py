@@ -11,7 +11,7 @@ import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
-from PySide6 import QtWidgets
+from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.app.window import job as jobs
@@ -57,6 +57,31 @@ def test_a_bar_stays_by_what_is_told_however_often_that_is(window) -> None:
     assert max(at for at, _ in seen[:-1]) > 0.2
     for at, shown in seen[:-1]:  # the last is that of work that is done
         assert shown <= at + AHEAD + 0.001  # the bar counts in thousandths
+
+
+def test_a_bar_says_how_long_it_still_takes_once_that_is_known(
+    window, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(jobs, "_KNOWN_S", 0.2)
+    said: list[str] = []
+
+    def work(progress: jobs.JobProgress) -> None:
+        until = time.monotonic() + 60.0
+        for done in (0.05, 0.5):
+            progress(done)
+            time.sleep(0.3)
+        while not any("left" in text for text in said) and time.monotonic() < until:
+            time.sleep(0.005)
+
+    def watch(bar: QtWidgets.QProgressDialog) -> None:
+        timer = QtCore.QTimer(bar, interval=10)
+        timer.timeout.connect(lambda: said.append(bar.labelText()))
+        timer.start()
+
+    answer_bar(watch)
+    run_beside(window, "work", work).result()
+    assert said[0] == "work"
+    assert said[-1] == "work\nabout 5 s left"
 
 
 class _Watched(jobs.JobProgress):
@@ -117,6 +142,7 @@ JOBS: dict[str, Callable[..., bool]] = {
     ),
     "picture": lambda w, at: w.pictures.picture_to(at / "a.png", (900, 700)),
     "export": lambda w, at: w.exporting.export_to(at / "a.glb"),
+    "text": lambda w, at: w.copying.layout_text("永和", 20.0, True),
     "edit": lambda w, at: w.editing.run_edit([1], {"do": "delete"}),
     "refine": _refine,
     "warm": _warm,

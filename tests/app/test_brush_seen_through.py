@@ -35,7 +35,7 @@ def hidden_on(window, way: np.ndarray) -> float:
     return float(np.max((shown - ink) / (sheet - ink)))
 
 
-@pytest.mark.parametrize("tilt", [(0, 0), (45, 10)])
+@pytest.mark.parametrize("tilt", [pytest.param((0, 0), marks=pytest.mark.long), (45, 10)])
 def test_a_stroke_is_seen_through_a_leaning_pen_pressed_and_lifted(window, tilt) -> None:
     wide, high = window.canvas.width(), window.canvas.height()
     x = np.linspace(0.62, 0.36, 60) * wide  # the handle leans back over the stroke

@@ -83,7 +83,7 @@ def test_each_way_that_leads_to_a_command_asks_for_it_alone(window, recorder, na
     row, action = COMMANDS[name], window.workspace.actions[name]
     for keys in row.keys:
         press(window, keys)
-        wait_for(lambda: recorder.asked, 30.0)
+        wait_for(lambda: recorder.asked)
         assert recorder.asked == [name], keys
         recorder.asked.clear()
     assert action in window.commands.menus[row.menu].actions()

@@ -19,13 +19,14 @@ from paint3d.app.window.files.exporting import ExportDialog
 from paint3d.app.window.playing.pictures import FilmDialog, FilmOptions
 from tests.support.app.gestures import answer, drag, live, wait_for
 from tests.support.app.windows import faults, opened, settled
+from tests.support.examples import ALL
 
 KEY = QtCore.Qt.Key
 SIZE = (640, 480)
 
 
 @pytest.fixture(scope="module")
-def window(program):
+def window(program, nothing_planned_ahead):
     with opened(program, "plane", 4.0, "porcelain", drawn=False) as window:
         drag(window.canvas, (0.45, 0.5), (0.55, 0.5), n=6)
         settled(window)
@@ -64,7 +65,7 @@ MODAL: dict[str, Callable[..., object]] = {
         for name in (
             "new", "open", "save_as", "export", "screenshot", "turntable", "growth", "replay",
             "save_recording", "preferences", "test_pen", "stand", "seal", "open_brush",
-            "open_pigments", "shortcuts", "about",
+            "open_pigments", "shortcuts", "about", "choose_light",
         )
     },
     "correct": correct,
@@ -102,6 +103,11 @@ def escape(dialog: QtWidgets.QDialog, k: int) -> int:
     return len(there)
 
 
+def after(k: int, n: int) -> int:
+    """Which of n parts has the keys next: the last after the first, each in turn with --long."""
+    return k + 1 if ALL else max(k + 1, n - 1)
+
+
 def state(window) -> tuple:
     document, hand = window.document, window.hand
     kept = replace(window.workspace.settings, window={})
@@ -115,7 +121,7 @@ def test_escape_closes_a_dialog_and_leaves_all_as_it_was(window, name: str) -> N
         while k < n[0]:
             answer(lambda dialog, k=k: n.__setitem__(0, escape(dialog, k)))
             MODAL[name](window)
-            k += 1
+            k = after(k, n[0])
     assert not found
     assert state(window) == before
     assert QtWidgets.QApplication.activeModalWidget() is None
@@ -132,7 +138,8 @@ def test_escape_closes_a_dialog_beside_the_painting(window, name: str) -> None:
                 for widget in QtWidgets.QApplication.topLevelWidgets()
                 if isinstance(widget, QtWidgets.QDialog) and widget.isVisible()
             )
-            n, k = escape(dialog, k), k + 1
+            n = escape(dialog, k)
+            k = after(k, n)
             live(0.05)
     assert not found
     assert state(window) == before

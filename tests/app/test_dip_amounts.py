@@ -22,10 +22,10 @@ from paint3d.app.model.score.stepping import cues_of
 from paint3d.app.model.stroke_log import Stroke, strokes_of, weights_of
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import DipAmount
-from paint3d.calligraphy.flying_white import inked_as
+from paint3d.calligraphy.flying_white import with_ink
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece
-from paint3d.calligraphy.writing import Pen, write_page
+from paint3d.calligraphy.writing import WritingSettings, write_page
 from paint3d.cli.main import main
 from paint3d.colour.materials import load_material
 from paint3d.device.recorded import Recording
@@ -319,8 +319,8 @@ def dry_recording() -> Recording:
         strokes.append(GlyphStroke(outline, line, (), (0.0, 0.3, 0.6, 0.9), strength))
     glyph = Glyph("two", tuple(strokes), (0.0, 0.0, 1000.0, 1000.0))
     page = Page((Piece(glyph, (0.0, 0.0)),), "bars", "mine")
-    written = write_page(load_mesh("plane"), page, Pen(load_brush(BRUSH), 24.0))
-    return inked_as(written.recording, written.dryness, written.strength, load_material("xuan"))
+    written = write_page(load_mesh("plane"), page, WritingSettings(load_brush(BRUSH), 24.0))
+    return with_ink(written.recording, written.dryness, written.strength, load_material("xuan"))
 
 
 def bare() -> PaintedSurface:
@@ -527,7 +527,7 @@ def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(
     session = load_session(tmp_path / "a.p3d")
     save_session(dataclasses.replace(session, undone=(), history=None), tmp_path / "a.p3d")
     document = Document.open(tmp_path / "a.p3d")
-    assert document.oldest_stroke == 1
+    assert document.n_strokes_without_undo == 1
     document.set_brush(brush)
     document.dip("water")
     document.dip("indigo", 0.4)

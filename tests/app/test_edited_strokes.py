@@ -291,5 +291,5 @@ def test_a_painting_that_was_saved_is_edited_on(tmp_path) -> None:
 def test_strokes_of_which_the_score_is_not_known_are_not_edited() -> None:
     document = sitting(2)
     document.recorder = None
-    with pytest.raises(InputError, match="only the strokes are known"):
+    with pytest.raises(InputError, match="only the strokes of this painting are known"):
         document.edit_strokes([0], {"do": "delete"})

@@ -323,7 +323,7 @@ def test_blotting_paper_lifts_what_is_wet_and_leaves_what_is_dry() -> None:
 
 
 def test_its_key_blots(window) -> None:
-    window.stage.paint_thread.post("dip", "pine soot").result(60)
+    window.stage.paint_thread.post("dip", "pine soot").result(300)
     drag(window.canvas, (0.35, 0.5), (0.65, 0.5))
     settled(window)
     before = ink(window)

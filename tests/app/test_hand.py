@@ -67,6 +67,17 @@ def places(samples):
     return np.array([s.contact for s in samples])
 
 
+def test_a_click_of_a_mouse_is_a_dot_and_that_of_a_pen_what_it_pressed(plane):
+    for pressure, most in ((None, 0.1), (0.0, 0.0)):
+        hand = Hand(plane, HandSettings(mouse_smoothing=0.3))
+        samples = list(hand.begin(over(1, 3.0, 4.0, pressure=pressure), BRUSH))
+        samples += hand.end(90 * MS, BRUSH, over(9, 3.0, 4.0, pressure=pressure))
+        assert max(sample.pressure for sample in samples) >= most
+        assert (max(sample.pressure for sample in samples) > 0.0) == (most > 0.0)
+        assert samples[-1].pressure == 0.0
+        np.testing.assert_allclose(places(samples)[:, :2], [[3.0, 4.0]] * len(samples), atol=1e-6)
+
+
 def test_the_brush_stands_on_the_normal_where_the_ray_meets_the_object(sphere):
     hand = Hand(sphere)
     event = PointerInput(MS, origin=(100, 20, 10), direction=(-1, 0, 0))

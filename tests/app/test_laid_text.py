@@ -33,12 +33,13 @@ from tests.support.app.gestures import (
     wait_for,
 )
 from tests.support.app.windows import opened, pretend_saved, settled
+from tests.support.cases import long_but
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 
 
 @pytest.fixture(scope="module")
-def window(program):
+def window(program, nothing_planned_ahead):
     """A window with a sheet in it."""
     with opened(program, "sheet:200x260", 1.5, "xuan", drawn=False) as window:
         yield window
@@ -95,7 +96,7 @@ def text_of(window) -> LaidText:
     return text
 
 
-@pytest.mark.parametrize("by", ["mouse", "pen"])
+@pytest.mark.parametrize("by", long_but(["pen"], ["mouse", "pen"]))
 def test_a_text_is_dragged_and_one_undo_takes_it_back(window, by: str) -> None:
     lay(window, "永和\n九年", 30.0)
     before = origins(window)
@@ -235,8 +236,12 @@ def test_a_signature_is_laid_smaller_to_the_left_and_written_in_another_ink(wind
     main = origins(window)
 
     def fill(dialog: QtWidgets.QInputDialog) -> None:
-        assert "年" in dialog.textValue()
-        dialog.setTextValue("丙午年春")
+        edit = dialog.findChild(QtWidgets.QLineEdit)
+        date = date_line(datetime.date.today())
+        wait_for(lambda: edit.selectedText() == "□□")
+        QtTest.QTest.keyClicks(edit, "Anna")  # which leaves the date
+        assert dialog.textValue() == f"{date[:-1]}Anna{date[-1]}"
+        dialog.setTextValue("丙午年春□□")  # a name that is not given is not written
         dialog.accept()
 
     answer(fill)
@@ -248,6 +253,34 @@ def test_a_signature_is_laid_smaller_to_the_left_and_written_in_another_ink(wind
     assert 8.0 <= signature.em_mm <= 16.0
     assert origins(window)[:, 0].max() < main[:, 0].min() - 20.0
     assert not window.copying.mover.is_on  # it lies where it belongs
+
+
+def test_letters_are_proposed_in_a_row_and_squares_without_a_text(window) -> None:
+    panel = window.panels.copybook
+    for text, in_columns in (("Anna", False), ("永和，九年", True), ("Anna 永", False)):
+        panel.text.setPlainText(text)
+        assert panel.direction.currentData() is in_columns
+        assert not panel.across.isEnabled()
+    panel.text.setPlainText(" ")
+    assert panel.across.isEnabled()
+    panel.direction.setCurrentIndex(panel.direction.findData(True))
+    panel.direction.activated.emit(panel.direction.currentIndex())
+    panel.text.setPlainText("Anna")
+    assert panel.direction.currentData() is True  # as it was chosen
+
+
+def test_the_panel_begins_anew_with_a_painting_and_leaves_no_signature(window) -> None:
+    panel = window.panels.copybook
+    panel.show_values(LaidText("丙午年冬李明書", 12.0, grid="none", is_signature=True))
+    panel.begin_anew(on_sheet=True)
+    assert (panel.text.text(), panel.em.value()) == ("永和九年", 40.0)
+    assert panel.grid_box.currentData() == "frame"
+    panel.show_values(LaidText("靜夜思", 55.0))
+    panel.begin_anew(on_sheet=True)
+    assert (panel.text.text(), panel.em.value()) == ("靜夜思", 40.0)
+    panel.text.setPlainText("永" * 2500)  # more than is laid
+    panel.begin_anew(on_sheet=True)
+    assert len(panel.text.text()) == 2500
 
 
 @pytest.mark.parametrize(
@@ -273,7 +306,7 @@ def test_a_seal_has_the_name_and_the_size_of_the_signature(window) -> None:
     answer(lambda dialog: (seen.append(dialog.asked()), dialog.reject()), SealDialog)
     click_button(window.panels.copybook, "Press a seal…")
     em = window.document.texts[1].em_mm
-    assert (seen[0].text, seen[0].size_mm) == ("李明", pytest.approx(em, abs=0.25))
+    assert (seen[0].text, seen[0].size_mm) == ("李明", pytest.approx(0.85 * em, abs=0.25))
     assert (
         date_line(datetime.date(2026, 12, 1), window.workspace.settings.signer) == "丙午年冬李明書"
     )
@@ -283,7 +316,7 @@ def test_a_seal_has_the_name_and_the_size_of_the_signature(window) -> None:
     window.copying.change({"grid": "frame"})
     wait_for(lambda: window.document.texts[1].grid == "frame")
     assert unpacked_texts(packed_texts(window.document.texts))[1].is_signature
-    assert window.copying.signature()[:2] == ("李明", pytest.approx(em))
+    assert window.copying.signature()[:2] == ("李明", pytest.approx(0.85 * em))
 
 
 def test_a_text_without_a_grid_is_no_signature_and_a_long_name_no_seal(window) -> None:
@@ -291,7 +324,7 @@ def test_a_text_without_a_grid_is_no_signature_and_a_long_name_no_seal(window) -
     window.copying.change({"grid": "none"})
     wait_for(lambda: text_of(window).grid == "none")
     signature = window.copying.signature()
-    assert (signature.name, signature.size_mm) == ("", pytest.approx(0.35 * 40.0))
+    assert (signature.name, signature.size_mm) == ("", pytest.approx(0.85 * 0.35 * 40.0))
     assert signature.point[0] < origins(window)[:, 0].min() - 20.0
     shown = []
     window.workspace.update_settings(signer="張大千李明")
@@ -299,7 +332,7 @@ def test_a_text_without_a_grid_is_no_signature_and_a_long_name_no_seal(window) -
     click_button(window.panels.copybook, "Press a seal…")
     window.workspace.update_settings(signer="")
     assert cut_seal(shown[0].text).text != "張大千李明"
-    assert shown[0].size_mm == pytest.approx(0.35 * 40.0, abs=0.3)
+    assert shown[0].size_mm == pytest.approx(0.85 * 0.35 * 40.0, abs=0.3)
 
 
 def test_a_brush_that_fits_is_taken_and_undo_takes_it_back(window) -> None:
@@ -420,8 +453,8 @@ def test_texts_come_back_after_a_crash(tmp_path) -> None:
     document = Document.new("plane", 4.0, "xuan")
     folder = RecoveryFolder(document, tmp_path)
     paint_thread = PaintThread(document, recovery=folder)
-    paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(60)
-    paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(60)
+    paint_thread.post("lay_text", LaidText("永和", 24.0).words()).result(300)
+    paint_thread.post("lay_text", LaidText("永和", 24.0, turn=20.0).words(), 0).result(300)
     paint_thread.stop(keep=True)
     recovered = recoverable(tmp_path)[0].recover().document
     assert recovered.texts == (LaidText("永和", 24.0, turn=20.0),)
@@ -437,6 +470,27 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
     wait_for(lambda: "does not fit" in window.status.message_label.text())
     np.testing.assert_array_equal(origins(window), before)
     assert text_of(window).point is None
+
+
+def test_rows_are_laid_at_once_and_what_is_too_large_at_the_size_that_fits(window) -> None:
+    lay(window, "永和九年", 20.0)
+    window.panels.copybook.text.setPlainText("松竹")  # typed for another text
+    direction = window.panels.copybook.direction
+    direction.setFocus()
+    QtTest.QTest.keyClick(direction, KEY.Key_Down)
+    wait_for(lambda: text_of(window).order == "row")
+    settled(window)
+    assert "".join(text_of(window).text.split()) == "永和九年"
+    assert np.ptp(origins(window)[:, 0]) > 50.0
+    answer(lambda box: box.defaultButton().click())
+    assert window.copying.layout_text("永和九年", 70.0, False)
+    wait_for(lambda: text_of(window).em_mm != 20.0)
+    settled(window)
+    assert 20.0 < text_of(window).em_mm < 70.0
+    before = window.document.texts
+    assert not window.copying.layout_text("永和九年", 300.0, True)
+    assert "no place for an em of 300 mm" in str(window.workspace.error)
+    assert window.document.texts == before
 
 
 def test_a_text_all_around_breaks_anew_and_is_not_turned(program) -> None:
@@ -511,3 +565,6 @@ def test_a_year_of_the_sixty_and_its_season_are_said() -> None:
 
     assert date_line(datetime.date(2026, 4, 1)) == "丙午年春書"
     assert date_line(datetime.date(1984, 12, 9)) == "甲子年冬書"
+    assert date_line(datetime.date(2026, 11, 30)) == "丙午年冬書"
+    assert date_line(datetime.date(2027, 1, 20)) == "丙午年冬書"
+    assert date_line(datetime.date(2027, 2, 20)) == "丁未年春書"

@@ -202,7 +202,7 @@ def test_groups_come_back_after_a_crash(tmp_path) -> None:
     paint_thread = PaintThread(document, recovery=folder)
     for asked in (("add_layer",), ("add_group", 0, 1, "g"), ("set_group_opacity", 1, 0.25),
                   ("set_group_folded", 0), ("duplicate_group", 0)):  # fmt: skip
-        paint_thread.post(*asked).result(60)
+        paint_thread.post(*asked).result(300)
     paint_thread.stop(keep=True)
     recovered = recoverable(tmp_path)[0].recover().document
     assert recovered.layers == document.layers

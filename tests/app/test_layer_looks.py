@@ -149,9 +149,9 @@ def test_looks_come_back_after_a_crash(tmp_path) -> None:
     document = Document.new("plane", 4.0, "xuan")
     folder = RecoveryFolder(document, tmp_path)
     paint_thread = PaintThread(document, recovery=folder)
-    paint_thread.post("duplicate_layer", 0).result(60)
-    paint_thread.post("set_opacity", 1, 0.25).result(60)
-    paint_thread.post("set_blend", 1, "multiply").result(60)
+    paint_thread.post("duplicate_layer", 0).result(300)
+    paint_thread.post("set_opacity", 1, 0.25).result(300)
+    paint_thread.post("set_blend", 1, "multiply").result(300)
     paint_thread.stop(keep=True)
     recovered = recoverable(tmp_path)[0].recover().document
     assert recovered.layers == document.layers

@@ -87,7 +87,7 @@ def picture(window, row: int) -> np.ndarray:
 
 def test_each_row_shows_what_is_on_its_layer(window) -> None:
     window.workspace.actions["look_top"].trigger()
-    window.stage.paint_thread.post("dip", "cinnabar").result(60)
+    window.stage.paint_thread.post("dip", "cinnabar").result(300)
     pen_stroke(window.canvas, (0.4, 0.35), (0.6, 0.35), [0.5] * 12)
     settled(window)
     type_key(window.canvas, KEY.Key_N, HELD.ControlModifier | HELD.ShiftModifier)
@@ -212,7 +212,7 @@ def test_each_of_two_quick_clicks_on_an_eye_counts(window) -> None:
     eye = row_of(window.panels.layers, "Layer 1").findChild(QtWidgets.QToolButton)
     twice(lambda: click(eye))
     twice(lambda: type_key(window.canvas, KEY.Key_H))
-    assert [one.result(60) for one in seen] == [False, True, False, True]
+    assert [one.result(300) for one in seen] == [False, True, False, True]
 
 
 def test_an_eye_waits_for_moves_of_layers_that_were_asked_before(window) -> None:
@@ -226,7 +226,7 @@ def test_an_eye_waits_for_moves_of_layers_that_were_asked_before(window) -> None
     click(upper)
     live(0.2)  # the click waits meanwhile
     paint_thread.go_on()
-    wait_for(lambda: not all(layer.visible for layer in window.document.layers), 30)
+    wait_for(lambda: not all(layer.visible for layer in window.document.layers))
     settled(window)
     seen = {layer.name: layer.visible for layer in window.document.layers}
     assert seen == {"2": False, "1": True}
@@ -239,11 +239,11 @@ def test_an_eye_is_for_the_layer_it_is_shown_beside_though_others_have_gone(wind
     wait_for(lambda: panel.list.count() == 2)
     settled(window)
     upper, lower = (row_of(panel, f"Layer {n}").findChild(QtWidgets.QToolButton) for n in (2, 1))
-    paint_thread.post("remove_layer", 0).result(60)  # and the panel still shows it
+    paint_thread.post("remove_layer", 0).result(300)  # and the panel still shows it
     click(lower)
-    assert [one.visible for one in paint_thread.post(lambda d: d.layers).result(60)] == [True]
+    assert [one.visible for one in paint_thread.post(lambda d: d.layers).result(300)] == [True]
     click(upper)
-    assert [one.visible for one in paint_thread.post(lambda d: d.layers).result(60)] == [False]
+    assert [one.visible for one in paint_thread.post(lambda d: d.layers).result(300)] == [False]
     settled(window)
 
 

@@ -50,6 +50,18 @@ def test_mixing_dish_and_all_below_it_are_seen_whole(window, size) -> None:
     assert panel.pickup.isVisible() == panel.fold.isChecked()
 
 
+def test_no_panel_that_scrolls_is_wider_than_what_shows_it(window) -> None:
+    window.resize(1024, 640)
+    for dock in window.panels.docks.values():
+        area = dock.widget()
+        if isinstance(area, QtWidgets.QScrollArea):
+            dock.raise_()
+            live(0.05)
+            if dock.isVisible():
+                assert area.widget().width() <= area.viewport().width(), dock.objectName()
+    window.panels.docks["inks"].raise_()
+
+
 def test_what_is_folded_away_is_reached_by_a_click_and_stays(window) -> None:
     panel, area = window.panels.inks, window.panels.docks["inks"].widget()
     window.resize(1024, 640)
@@ -83,6 +95,11 @@ def test_a_panel_gets_the_height_that_it_needs_where_its_tab_is_clicked(window) 
     click_tab(window, "Hand")
     click_tab(window, "Inks")
     wait_for(lambda: inks.widget().verticalScrollBar().maximum() == 0)
+    click_tab(window, "Text and seal")
+    wait_for(lambda: copybook.height() > before + 200)
+    low = inks.height()
+    click_tab(window, "Inks")  # which is shown already
+    wait_for(lambda: inks.height() > low + 50)
 
 
 def button(panel, text: str) -> QtWidgets.QPushButton:

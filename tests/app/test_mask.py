@@ -105,7 +105,7 @@ def test_what_is_covered_keeps_its_ink_wet_or_dry_and_undo_brings_all_back(ends)
     document.painter.surface.ink.transfer["pickup"] = 0.05  # a thirsty brush
     paint(document, (-20, 0), (20, 0), n=10)
     document.let_time_pass(0.2)
-    document.steps.seal()
+    document.steps.end_part()
     before = document.surface.amounts.copy()
     document.dip("cinnabar")
     document.set_mask(Mask(AngleMask((0, 0, -1), 10.0)))  # the plane looks up: all is covered

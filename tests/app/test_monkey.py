@@ -11,7 +11,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from tests.support.app.monkey import Monkey
 from tests.support.examples import ALL
 
-ACTIONS = 120 if ALL else 40
+ACTIONS = 120 if ALL else 25
 BY_THE_CLOCK = {"slow", "stuck"}  # which is no matter of a test: kernels may still be compiled
 
 

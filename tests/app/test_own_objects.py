@@ -149,6 +149,31 @@ def test_axes_are_called_as_the_file_has_them(window, tmp_path: Path) -> None:
     np.testing.assert_array_equal(window.document.surface.source.vertices, as_in_file)
 
 
+def test_a_file_that_says_another_way_than_its_shape_marks_both(window, tmp_path: Path) -> None:
+    """A program whose z is up wrote a glTF as it was: it would lie."""
+    path = tmp_path / "lying.glb"
+    export(turn_mesh(jug(), turn_up("y")), path)
+    met = []
+
+    def look(dialog: ObjectDialog) -> None:
+        met.extend(way.text() for way in dialog.ways.values() if way.isChecked())
+        met.extend(way.text() for way in dialog.ways.values() if "likely" in way.text())
+        met.append(dialog.findChild(QtWidgets.QLabel, "title").text())
+        QtTest.QTest.mouseClick(dialog.ways["z"], QtCore.Qt.MouseButton.LeftButton)
+        dialog.accept()
+
+    foreseen(ObjectDialog, look)
+    assert window.opening.open_path(str(path), asked=True)
+    assert met == ["y up", "z up (likely)", "The file says y is up, its shape says z"]
+    np.testing.assert_allclose(window.document.surface.source.vertices, jug().vertices, atol=1e-4)
+    window.workspace.quiet = True
+    try:
+        assert window.opening.open_path(str(path), 2.0, "xuan", asked=True)
+    finally:
+        window.workspace.quiet = False
+    assert "y was taken as up" in window.status.message_label.text()
+
+
 def test_a_dropped_file_asks_the_same_and_shows_the_last_material(window, tmp_path: Path) -> None:
     path = lying_jug(tmp_path)
     window.workspace.update_settings(material="bisque")

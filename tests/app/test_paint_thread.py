@@ -144,7 +144,7 @@ def test_room_is_made_while_the_hand_rests_and_nothing_painted_changes():
             paint(document, (-40, 8 * k - 30), (40, 8 * k - 30))
             before = mesh.capacity
             if rests:
-                document.rest()
+                document.prepare_next_stroke()
             grown += mesh.capacity > before
         assert (grown > 0) == rests
         surfaces.append(document.surface)

@@ -175,13 +175,14 @@ def test_strokes_right_after_a_change_of_brush_are_painted(window) -> None:
 def test_the_mark_does_not_depend_on_how_events_are_handed_over(window, name: str) -> None:
     recording = EventRecording.load(name)
     surfaces = []
-    for how, pace in (
+    ways = [
         ("one by one", 0.0),
         ("at once", 0.0),
         ("pictures", 5.0),
         ("pictures", 120.0),
         ("as recorded", 0.0),
-    ):
+    ]
+    for how, pace in ways if ALL else ways[1:4]:
         open_for(window, recording.header, 2.0)
         in_time = pace == 120.0
         player_of(window).play(
@@ -385,7 +386,7 @@ def test_every_image_of_a_stroke_lies_under_the_image_of_its_way(window, name, a
 )
 def test_a_ghost_is_painted_over_where_it_stands_and_counted(window, tilt) -> None:
     open_for(window, {"object": "vase", "material": "porcelain", "view": "front"}, 0.9)
-    assert window.copying.layout_text("二十", 36.0, False)
+    assert window.copying.layout_text("一十", 36.0, False)
     ghosts = window.panels.copybook.copybook.ghosts
     told, strokes = [], []
     for number, ghost in enumerate(ghosts):
@@ -399,12 +400,12 @@ def test_a_ghost_is_painted_over_where_it_stands_and_counted(window, tilt) -> No
     for stroke in strokes:
         player_of(window).play(stroke)
     until = time.monotonic() + 300.0
-    while [len(ghost.strokes) for ghost in ghosts] != [2, 2] and time.monotonic() < until:
+    while [len(ghost.strokes) for ghost in ghosts] != [1, 2] and time.monotonic() < until:
         settle(window)
     counted = [len(ghost.strokes) for ghost in ghosts]
     window.copying.hide()
     assert told == []
-    assert counted == [2, 2]
+    assert counted == [1, 2]
 
 
 def lines_on(window: StudioWindow, name: str, side: str, n: int) -> Iterator[EventRecording]:
@@ -417,7 +418,7 @@ def lines_on(window: StudioWindow, name: str, side: str, n: int) -> Iterator[Eve
 def test_a_finger_paints_under_its_point(window, monkeypatch, name: str, side: str) -> None:
     monkeypatch.setattr(window.canvas, "finger", "paint")  # by itself it turns once a pen was seen
     told = []
-    for number, stroke in enumerate(lines_on(window, name, side, 3)):
+    for number, stroke in enumerate(lines_on(window, name, side, 3 if ALL else 2)):
         (way,) = ways_of(window, stroke)
         player_of(window).play(stroke)  # pens are played faster than a hand writes
         window.workspace.post("undo")
@@ -457,7 +458,7 @@ def test_a_finger_that_follows_a_pen_at_once_presses_as_after_a_pause(
 @pytest.mark.parametrize(("name", "side"), BY_HAND)
 def test_a_mouse_paints_under_its_point(window, name: str, side: str) -> None:
     told = []
-    for stroke in lines_on(window, name, side, 3):
+    for stroke in lines_on(window, name, side, 3 if ALL else 2):
         for trial in try_strokes(window, stroke.changed(device="mouse", tilt=(0.0, 0.0))):
             told += faults(trial)
     assert told == []

@@ -381,7 +381,7 @@ def test_a_recording_is_played_wet_as_the_command_does(
             live(0.6)
             window.player.pause(False)
         wait_for(lambda: not window.player.is_playing)
-        wait_for(lambda: time_goes_on(window), 30.0)
+        wait_for(lambda: time_goes_on(window))
         window.workspace.actions["wet"].trigger()
         settled(window)
         assert window.document.score is not None

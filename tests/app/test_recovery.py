@@ -263,7 +263,7 @@ def test_what_was_undone_and_is_in_a_file_is_not_offered(tmp_path):
 def test_a_sitting_without_its_first_base_is_not_offered(tmp_path, monkeypatch, killed):
     """As when a painting is brought back while the disk is full, or by another crash."""
     document = small_plane()
-    document.differ_from_saved()
+    document.mark_modified()
     left = tmp_path / "left"
 
     def full(path):
@@ -501,7 +501,7 @@ def test_it_ends_with_what_still_waits_to_be_written(tmp_path, monkeypatch):
     ends.start()
     ends.join(0.1)  # the end waits in the queue, behind the last command
     go_on.set()
-    ends.join(60.0)
+    ends.join(300.0)
     assert not ends.is_alive()
     (unfinished,) = recoverable(tmp_path)
     assert unfinished.recover().document.tags == {"event": 1}

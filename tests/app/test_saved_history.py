@@ -23,6 +23,7 @@ from paint3d.errors import InputError
 from paint3d.files.project.session import load_session, save_session
 from tests.support.app.hands import paint, same_vertices, small_plane
 from tests.support.app.repeating import repeated
+from tests.support.examples import examples
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
@@ -186,7 +187,7 @@ def test_strokes_without_steps_are_painted_again_underneath(tmp_path):
     document = painting_on_layers()
     document.let_time_pass(0.4)  # which no stroke repeats
     opened = without_steps(document, tmp_path / "a.p3d")
-    assert (opened.oldest_stroke, opened.earliest_stroke, opened.can_undo) == (3, 0, True)
+    assert (opened.n_strokes_without_undo, opened.fewest_strokes, opened.can_undo) == (3, 0, True)
     paint(opened, (-20, 12), (20, 12))
     then, layers = everything(opened), opened.layers
     for upto in (3, 2, 1, 0):
@@ -204,7 +205,7 @@ def test_strokes_without_steps_are_painted_again_underneath(tmp_path):
     assert opened.layers == layers
     close(opened)
     again = reopened(opened, tmp_path / "b.p3d")
-    assert again.oldest_stroke == 0
+    assert again.n_strokes_without_undo == 0
     for upto in (1, 4, 0, 2):
         for one in (again, opened):
             one.replay_history(upto)
@@ -254,7 +255,7 @@ def test_painting_again_can_be_stopped(tmp_path):
     opened.progress = None
     unchanged(opened, then)
     assert opened.strokes == strokes
-    assert (opened.oldest_stroke, opened.can_redo) == (3, True)
+    assert (opened.n_strokes_without_undo, opened.can_redo) == (3, True)
     opened.redo()
     opened.replay_history(0)
     assert not opened.surface.painted.any()
@@ -269,8 +270,8 @@ def test_strokes_over_a_recording_are_not_painted_again(tmp_path):
     save_session(session, tmp_path / "a.p3d")
     opened = Document.open(tmp_path / "a.p3d")
     assert not opened.can_undo
-    assert opened.earliest_stroke == 3
-    with pytest.raises(InputError, match="stroke 1 of the history; expected 3 to 3"):
+    assert opened.fewest_strokes == 3
+    with pytest.raises(InputError, match="cannot go to stroke 1; expected 3 to 3"):
         opened.replay_history(1)
     with pytest.raises(InputError, match="lie over a recording"):
         opened.recall_strokes()
@@ -283,7 +284,7 @@ def test_only_the_nearest_steps_are_kept_where_there_are_too_many(tmp_path, monk
     document.undo()
     monkeypatch.setattr(document_module, "MOST_BYTES", 6_000)
     opened = reopened(document, tmp_path / "a.p3d")
-    assert 0 < opened.oldest_stroke < 4
+    assert 0 < opened.n_strokes_without_undo < 4
     assert not opened.can_redo  # what was undone is farther
     same_vertices(opened.surface, document.surface)
     for one in (document, opened):
@@ -345,8 +346,14 @@ DAMAGE = {
 }
 
 
+@pytest.fixture(scope="module")
+def whole(saved):
+    """The surface that is read of it where nothing is damaged."""
+    return Document.open(saved).surface
+
+
 @pytest.mark.parametrize("name", DAMAGE)
-def test_damaged_steps_are_dropped_and_the_painting_is_kept(saved, tmp_path, name):
+def test_damaged_steps_are_dropped_and_the_painting_is_kept(saved, whole, tmp_path, name):
     where, damage, message = DAMAGE[name]
     session = load_session(saved)
     history = {**session.history, "steps": dict(session.history["steps"])}
@@ -357,17 +364,17 @@ def test_damaged_steps_are_dropped_and_the_painting_is_kept(saved, tmp_path, nam
     opened = Document.open(tmp_path / "a.p3d")
     assert re.search(message, opened.refused_history)
     assert "\n" not in opened.refused_history
-    same_vertices(opened.surface, Document.open(saved).surface)
+    same_vertices(opened.surface, whole)
     assert not opened.steps.done
     paint(opened, (-20, 0), (20, 0))
     opened.undo()
-    same_paint(opened.surface, Document.open(saved).surface)
+    same_paint(opened.surface, whole)
 
 
 def test_random_damage_never_ends_in_anything_but_a_clear_word(saved, tmp_path):
     """Numbers of the steps are changed here and there, and everything is undone and done again."""
     chance = np.random.default_rng(7)
-    for _ in range(12):
+    for _ in range(examples(12)):
         session = load_session(saved)
         steps = {k: np.array(v) if isinstance(v, np.ndarray) else v
                  for k, v in session.history["steps"].items()}  # fmt: skip

@@ -142,7 +142,7 @@ def test_menu_and_keys_mirror_ink_and_delete_them(window) -> None:
     way = np.concatenate(ways_of(window.document.strokes[0], window.hand.surface))
     assert way[0, 0] == pytest.approx(ways[0][-1, 0], abs=1.5)
     assert way[-1, 0] == pytest.approx(ways[0][0, 0], abs=1.5)
-    window.stage.paint_thread.post("dip", "cinnabar").result(60)
+    window.stage.paint_thread.post("dip", "cinnabar").result(300)
     settled(window)
     window.workspace.actions["ink_strokes"].trigger()
     settled(window)

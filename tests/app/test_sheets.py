@@ -11,7 +11,8 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore, QtTest, QtWidgets
 
-from paint3d.app.model.persistence.settings import load_settings
+from paint3d.app.model.persistence import settings
+from paint3d.app.model.persistence.settings import Settings, load_settings
 from paint3d.app.window.object.new_dialog import NewDialog
 from paint3d.app.window.wording import choose_language
 from paint3d.mesh.sheet_mesh import sheet_of
@@ -116,6 +117,18 @@ def test_objects_propose_what_suits_them_and_one_is_chosen_by_two_clicks(window)
 
     begin(window, fill)
     assert window.document.surface.source.name == "bowl"
+
+
+def test_a_material_says_whether_ink_spreads_and_an_object_how_large_it_is(
+    program, monkeypatch
+) -> None:
+    parent = QtWidgets.QWidget()
+    dialog = NewDialog(parent, Settings())
+    monkeypatch.setattr(settings, "WET_AT_FIRST", {"xuan"})
+    for material, words in (("sized xuan", "stays"), ("xuan", "spreads"), ("porcelain", "stays")):
+        dialog.material.setCurrentIndex(dialog.material.findData(material))
+        assert words in dialog.wetness.text()
+    assert dialog.objects.item(0).text() == "Bowl\n15 × 6.8 cm"
 
 
 def test_what_cannot_be_is_said_and_not_begun(window) -> None:

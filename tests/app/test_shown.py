@@ -129,7 +129,7 @@ def test_large_lengths_are_told_in_plain_digits(mm, told) -> None:
 
 def test_no_more_pictures_a_second_are_told_than_are_drawn(window) -> None:
     seen = []
-    for k in range(60):
+    for k in range(30):
         mouse(window.canvas, KIND.MouseMove, 300 + k, 300)
         live(0.02)
         seen.append(window.status.state.text())
@@ -444,7 +444,7 @@ def test_kernels_that_were_compiled_ahead_are_not_warmed(program, monkeypatch, a
     warmed: list[bool] = []
     monkeypatch.setattr(opening, "is_ahead", lambda kernel: ahead)
     monkeypatch.setattr(opening, "warm_up", lambda check: warmed.append(True))
-    with opened(program, "plane", 3.0):
+    with opened(program, "plane", 3.0, drawn=False):
         assert warmed == ([] if ahead else [True])
 
 

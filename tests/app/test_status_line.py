@@ -44,6 +44,15 @@ def test_what_goes_on_is_said_beside_the_strokes(window) -> None:
     window.workspace.tell("")
 
 
+def test_what_has_no_room_ends_in_an_ellipsis(window) -> None:
+    label = window.status.message_label
+    window.workspace.tell("永 " * 400)
+    assert label.shown.endswith("…")
+    assert label.toolTip() == "永 " * 400
+    window.workspace.tell("永")
+    assert label.shown == "永"
+
+
 class Laid(QtCore.QObject):
     """Counts how often a window is laid out."""
 
@@ -97,6 +106,6 @@ def test_the_devices_say_of_the_painting_what_the_status_line_says(
     monkeypatch.setattr(window.stage, "follow", lambda: frame)
     monkeypatch.setattr(window.stage, "frame", frame)
     window.panels.docks["devices"].raise_()
-    wait_for(lambda: said in window.status.state.text(), 60.0)
-    wait_for(lambda: f"Painting: {said}" in window.panels.devices.lines.text(), 60.0)
+    wait_for(lambda: said in window.status.state.text())
+    wait_for(lambda: f"Painting: {said}" in window.panels.devices.lines.text())
     assert "late" not in window.panels.devices.lines.text()

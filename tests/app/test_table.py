@@ -10,7 +10,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.input.devices import DeviceHub, StrokeCutter
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import open_glyphs
-from paint3d.calligraphy.writing import Pen, write_text
+from paint3d.calligraphy.writing import WritingSettings, write_text
 from paint3d.device.hid_nodes import HidNode
 from paint3d.device.sample import StylusReading
 from paint3d.device.space_mouse import MouseEvent
@@ -41,8 +41,8 @@ def test_ghosts_lie_on_the_surface_in_their_squares(book):
 
 
 def test_what_is_painted_over_a_ghost_is_scored(book):
-    pen = Pen(load_brush("zhongbaiyun"), 50.0)
-    written = write_text(make_plane(), "十一", open_glyphs(None), pen)
+    settings = WritingSettings(load_brush("zhongbaiyun"), 50.0)
+    written = write_text(make_plane(), "十一", open_glyphs(None), settings)
     document = Document.new(make_plane(), 1.0, brush="zhongbaiyun")
     pressed = np.array(written.recording.pressure > 0.0)
     starts = np.flatnonzero(pressed[1:] & ~pressed[:-1])

@@ -129,7 +129,7 @@ def test_a_picture_of_a_sheet_to_its_edges_has_its_shape(program, tmp_path) -> N
     def choose(dialog: ExportDialog) -> None:
         view = dialog.choices["view"]
         view.setCurrentIndex(view.findData("flat"))
-        assert dialog.picture_size() == (800, 2400)
+        assert dialog.picture_size() == (924, 2771)
         dialog.accept()
 
     def name(dialog: QtWidgets.QFileDialog) -> None:
@@ -142,7 +142,7 @@ def test_a_picture_of_a_sheet_to_its_edges_has_its_shape(program, tmp_path) -> N
         window.workspace.actions["export"].trigger()
         wait_for((tmp_path / "sheet.png").exists)
     with Image.open(tmp_path / "sheet.png") as picture:
-        assert picture.size == (800, 2400)
+        assert picture.size == (924, 2771)
         pixels = np.array(picture.convert("RGB"))[8:-8, 8:-8].reshape(-1, 3)
     assert np.ptp(pixels.astype(int), axis=0).max() < 12  # paper alone, and nothing beside it
 
@@ -213,6 +213,17 @@ def test_shift_j_takes_another_light_and_j_held_turns_the_lamp(program, tmp_path
         type_key(canvas, KEY.Key_J, HELD.ShiftModifier)
         even = shown()
         assert even.std() < low.std()
+
+        def choose(dialog: QtWidgets.QDialog) -> None:
+            dialog.kind_box.setCurrentIndex(dialog.kind_box.findData("raking"))
+            dialog.turn.setValue(90)
+            assert stage.light == ("raking", pytest.approx(0.5 * np.pi))  # it is shown at once
+            dialog.accept()
+
+        answer(choose)
+        window.workspace.actions["choose_light"].trigger()
+        settled(window)
+        assert window.document.properties["light"]["kind"] == "raking"
         assert window.saving.save_to(tmp_path / "lit.p3d")
         light = stage.light
         type_key(canvas, KEY.Key_J, HELD.ShiftModifier)

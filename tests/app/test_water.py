@@ -52,7 +52,7 @@ def drag_with_v(window, pixels: float) -> None:
 
 
 def test_v_held_and_a_drag_water_the_brush_and_thicken_it_again(window) -> None:
-    window.stage.paint_thread.post("dip", "pine soot").result(60)
+    window.stage.paint_thread.post("dip", "pine soot").result(300)
     settled(window)
     type_key(window.canvas, KEY.Key_Shift)  # the window has the keyboard
     drag_with_v(window, 120.0)

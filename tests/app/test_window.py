@@ -561,7 +561,7 @@ def test_without_a_display_it_says_so(tmp_path: Path) -> None:
     environment["XDG_CONFIG_HOME"] = str(tmp_path)
     done = subprocess.run(
         [sys.executable, "-m", "paint3d", "paint", "--quiet"],
-        capture_output=True, text=True, env=environment, timeout=120, check=False,
+        capture_output=True, text=True, env=environment, timeout=300, check=False,
     )  # fmt: skip
     assert done.returncode == 2
     assert done.stderr.startswith("paint3d: error: there is no display")

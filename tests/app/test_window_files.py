@@ -126,7 +126,7 @@ def accept(dialog) -> None:
 
 def test_a_new_painting_is_proposed_under_a_name_that_is_free(window, tmp_path: Path) -> None:
     """A pen alone types no other one, and what was saved before is not to be replaced."""
-    window.document.belong_to(None)
+    window.document.set_file(None)
     window.targets.folder = tmp_path
     name = said_name(window)
     for path in (tmp_path / f"{name}.p3d", tmp_path / f"{name} 2.p3d"):
@@ -511,17 +511,19 @@ def test_a_painting_that_is_reopened_is_not_said_to_be_open_elsewhere(window, tm
     assert "another window" not in window.status.message_label.text()
 
 
-def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(program) -> None:
+def test_whole_copies_are_kept_as_often_as_was_chosen_however_much_is_painted(
+    program, monkeypatch
+) -> None:
     """On a large wet sheet every 3 s of the painting's work wrote 155 MB."""
     with opened(program, resolution=2.0, drawn=False) as window:
         paints = window.stage.paint_thread
         paints.set_autosave_interval(1e9)
         first = paints.recovery.number
 
+        worked = time.thread_time
+
         def work(document: object) -> None:
-            until = time.thread_time() + 3.2
-            while time.thread_time() < until:
-                pass
+            monkeypatch.setattr(time, "thread_time", lambda: worked() + 3.2)
 
         paints.post(work).result(300)
         for y in (0.45, 0.55):

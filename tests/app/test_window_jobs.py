@@ -339,8 +339,12 @@ def test_a_recovery_that_is_stopped_at_the_start_opens_nothing_instead(
     assert empty.stage.paint_thread is None
     wait_for(empty.begin_page.isVisible)
     assert any(b.text().startswith("Recover") for b in empty.begin_page.buttons)
-    for left in recoverable():
-        left.discard()
+    answer(lambda box: next(b for b in box.buttons() if b.text() == "Delete it").click())
+    assert not empty.recovery.offer()
+    assert recoverable() == []
+    buttons = empty.begin_page.buttons
+    assert not any(b.text().startswith("Recover") for b in buttons)
+    assert all(b.isVisible() for b in buttons)
 
 
 def test_without_an_object_the_page_asks_what_to_paint_on(empty) -> None:
@@ -521,7 +525,8 @@ def test_a_first_opening_that_is_stopped_leaves_an_empty_window_that_works(
     monkeypatch.undo()
     wait_for(empty.begin_page.isVisible)
     texts = [button.text() for button in empty.begin_page.buttons]
-    assert texts[:4] == ["A bowl", "A sheet of paper", "New painting…", "Open…"]
+    assert texts[:3] == ["A bowl", "A sheet of paper", "Another sheet or object…"]
+    assert texts[3] == "An object of your own, or a painting…"
     for name, action in empty.workspace.actions.items():
         assert action.isEnabled() == COMMANDS[name].always, name
         if not COMMANDS[name].always:

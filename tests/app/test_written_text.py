@@ -5,6 +5,7 @@ from __future__ import annotations
 from itertools import product
 
 import pytest
+import trimesh
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
@@ -12,10 +13,11 @@ from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.score.playing import painted
 from paint3d.painter.ink_time import PIECE_S
-from tests.support.app.gestures import BUTTON, type_key, wait_for
+from tests.support.app.gestures import BUTTON, answer, type_key, wait_for
 from tests.support.app.hands import same_vertices
 from tests.support.app.windows import opened, settled
 from tests.support.cases import long_but
+from tests.support.mugs import make_mug
 
 KEY, HELD = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier
 POEMS = {
@@ -63,7 +65,7 @@ def written(window) -> None:
 
 def test_the_button_has_the_brush_write_it_where_it_lies(window) -> None:
     lay(window, "十", 70.0)
-    window.stage.paint_thread.post("dip", "cinnabar").result(60)
+    window.stage.paint_thread.post("dip", "cinnabar").result(300)
     brush = window.document.painter.brush
     QtTest.QTest.mouseClick(window.panels.copybook.write_button, BUTTON.LeftButton)
     written(window)
@@ -88,6 +90,27 @@ def test_the_key_writes_and_esc_stops_it(window) -> None:
     assert window.player.is_playing
     type_key(window.canvas, KEY.Key_Escape)
     written(window)
+
+
+def test_where_the_brush_has_no_room_a_smaller_size_is_offered(window, program, tmp_path) -> None:
+    """Between the wall and the handle of a mug there is less room for a brush than for letters."""
+    mug = make_mug(0.0)
+    trimesh.Trimesh(mug.vertices, mug.faces).export(tmp_path / "mug.stl")
+    with opened(program, str(tmp_path / "mug.stl"), 2.0, "porcelain", drawn=False) as cup:
+        assert cup.copying.ask(
+            {"text": "Anna", "em_mm": 40.0, "order": "row", "around": True}, False
+        )
+        wait_for(lambda: cup.document.texts)
+        asked = []
+        answer(lambda box: (asked.append(box.text()), box.reject()))
+        cup.writing.do_write_text()
+        assert cup.document.texts[0].em_mm == 40.0
+        answer(lambda box: box.defaultButton().click())
+        cup.writing.do_write_text()
+        assert cup.player.is_playing
+        assert cup.document.texts[0].em_mm < 40.0
+        assert "no room" in asked[0]
+        cup.player.stop()
 
 
 def test_with_no_text_there_it_says_what_to_do(window) -> None:

@@ -211,7 +211,7 @@ def test_the_force_follows_the_hardness():
 @pytest.mark.parametrize("name", brush_names())
 def test_presets_are_rated_as_they_are(name):
     brush = load_brush(name)
-    assert brush.chain is None
+    assert brush.segmentation is None
     tuft = build_tuft(brush)
     assert tuft.full_press == brush.full_press_mm
     assert tuft.max_force == brush.max_force
@@ -237,7 +237,7 @@ def test_a_shorter_tip_segment_softens_the_tip(change):
     st.floats(0.8, 1.4),
 )
 def test_any_tip_within_the_ranges_bends(exponent, n, tip, rated_n, rated_tip):
-    table = BendingTable(exponent, chain=(n, tip / 35.0, rated_n, rated_tip / 35.0))
+    table = BendingTable(exponent, segmentation=(n, tip / 35.0, rated_n, rated_tip / 35.0))
     _, up, _ = table.spine
     height = np.sin(table.tilts)[:, None] * (1.0 - table.fractions)
     assert np.allclose(up[..., -1], height, atol=1e-9)
@@ -327,7 +327,7 @@ def test_a_file_may_start_from_a_preset(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("hardness = 0.4", "says no hair, n_segments"),
+        ("hardness = 0.4", "hair, n_segments"),
         ('base = "ful"', "base is 'ful'; expected one of full"),
         ('base = "full"\nhardnes = 0.4', "there is no 'hardnes': did you mean 'hardness'"),
         ('base = "full"\nhardness = 0.9', "hardness is 0.9; expected 0.3 to 0.7"),
@@ -335,7 +335,7 @@ def test_a_file_may_start_from_a_preset(tmp_path: Path) -> None:
         ('base = "full"\nhair = []', "hair is []; expected one of goat"),
         ('base = "full"\nname = "dakai"', "a brush that comes with the program"),
         ('base = "full"\nname = "a @3"', "without ' @'"),
-        ('base = "full"\nname = "a.toml"', "no file's name"),
+        ('base = "full"\nname = "a.toml"', "not ending in .toml or .json"),
         ('base = "full"\nbristles = 300', "bristles is 300; expected parameters"),
         ('base = "full"\n[bristles]\nhair = 1', "bristles: there is no 'hair'"),
         ('base = "full"\n[bristles]\nn_hairs = 0', "bristles: n_hairs is 0; expected 1 to 10000"),

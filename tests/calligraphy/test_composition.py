@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from itertools import product
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.sheet_mesh import make_sheet, writing_areas
 from paint3d.mesh.sheets import parse_sheet
+from tests.support.cases import long_but
 
 POEM = "床前明月光\n疑是地上霜\n舉頭望明月\n低頭思故郷"
 FORMS = ("scroll", "couplet", "square", "horizontal", "fan", "round-fan", "album", "a4")
@@ -41,8 +43,10 @@ def middles(squares) -> np.ndarray:
     return np.array([square.chart.frame.origin for square in squares])
 
 
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("text", [POEM, "寧靜致遠", "永"])
+@pytest.mark.parametrize(
+    ("form", "text"),
+    long_but(product(FORMS, [POEM, "永"]), product(FORMS, [POEM, "寧靜致遠", "永"])),
+)
 def test_text_fills_a_sheet_and_stays_within_it(form: str, text: str) -> None:
     mesh, found, squares = laid(form, text)
     assert "".join(found.lines) == text.replace("\n", "")
@@ -75,10 +79,12 @@ def test_marks_end_verses_and_letters_that_stand_in_lines_are_not_composed() -> 
     assert compose(parse_sheet("scroll"), "Hello") is None
 
 
-@pytest.mark.parametrize("form", FORMS)
-@pytest.mark.parametrize("text", [POEM, "寧靜致遠"])
+@pytest.mark.parametrize(
+    ("form", "text"),
+    long_but(product(FORMS, [POEM]), product(FORMS, [POEM, "寧靜致遠"])),
+)
 def test_signature_and_seal_stand_apart_from_the_text_on_the_paper(form: str, text: str) -> None:
-    mesh, found, squares = laid(form, text, is_signed=True)
+    mesh, found, squares = laid(form, text, signature=7)
     surface = ClosestPoints(mesh)
     beside = sign_beside(mesh, squares, 7)
     assert 0.09 * found.em_mm < beside.em_mm < 0.5 * found.em_mm
@@ -97,14 +103,83 @@ def test_signature_and_seal_stand_apart_from_the_text_on_the_paper(form: str, te
     assert np.linalg.norm(below.seal_point - beside.seal_point) < 0.3 * beside.em_mm
 
 
+@pytest.mark.parametrize("form", FORMS)
+@pytest.mark.parametrize("n", [2, 4, 5, 8, 20, 28, 56])
+def test_columns_stand_farther_apart_than_their_characters(form: str, n: int) -> None:
+    for signature in (None, 7):
+        found = compose(parse_sheet(form), "一" * n, signature=signature)
+        if parse_sheet(form).usual.panels == 1 and len(found.lines) > 1:
+            assert found.between <= 0.5 * found.gap
+            assert 0.19 < found.gap <= 0.8  # of a folding fan in the middle of its columns
+
+
+@pytest.mark.parametrize("form", ["scroll", "square", "horizontal", "album", "a4"])
+@pytest.mark.parametrize("text", [POEM, "寧靜致遠", "永"])
+def test_a_signature_keeps_out_of_the_margin_and_its_seal_is_as_wide(form: str, text: str) -> None:
+    mesh, found, squares = laid(form, text, signature=7)
+    sheet, beside = parse_sheet(form), sign_beside(mesh, squares, 7)
+    left, right = (middles(squares)[:, 0] + s * 0.41 * found.em_mm for s in (-1.0, 1.0))
+    inked = beside.point[0] - 0.39 * beside.em_mm
+    edge = 0.5 * sheet.width_mm - sheet.margin_mm
+    assert -edge - 2.5 < inked
+    assert right.max() < edge + 1.0
+    assert left.min() - beside.point[0] > 0.6 * beside.em_mm
+    assert 0.8 < beside.seal_mm / beside.em_mm < 0.95
+    low = beside.seal_point[1] - 0.5 * beside.seal_mm
+    assert low > middles(squares)[:, 1].min() - 0.45 * found.em_mm
+
+
+@pytest.mark.parametrize("text", [POEM, "朝辭白帝彩雲間千里江陵一日還兩岸猿聲啼不住輕舟已過萬重山"])
+def test_on_a_fan_a_seal_stands_clear_of_columns_that_draw_together(text: str) -> None:
+    mesh, found, squares = laid("fan", text, signature=7)
+    beside = sign_beside(mesh, squares, 7)
+    away = np.linalg.norm(middles(squares) - beside.seal_point, axis=1).min()
+    assert away > 0.5 * (found.em_mm + beside.seal_mm)
+
+
+def test_a_short_signature_is_composed_below_a_short_column() -> None:
+    text = "朝辭白帝彩雲間千里江陵一日還兩岸猿聲啼不住輕舟已過萬重山"
+    mesh, found, squares = laid("square", text, signature=3)
+    beside = sign_beside(mesh, squares, 3)
+    assert len(found.lines[-1]) < len(found.lines[0])
+    assert beside.point[0] == pytest.approx(middles(squares)[-1, 0], abs=0.1)
+    assert found.em_mm > compose(parse_sheet("square"), text, signature=7).em_mm
+
+
 def test_a_signature_stands_below_a_last_column_that_is_short() -> None:
-    mesh, _, squares = laid("square", "床前明月光疑是地上霜舉頭望明月低頭思故郷無", is_signed=True)
+    mesh, _, squares = laid("square", "床前明月光疑是地上霜舉頭望明月低頭思故郷無", signature=7)
     lines = lines_of(squares)
     assert len(lines[-1]) < len(lines[0])
     beside = sign_beside(mesh, squares, 2)
     last = lines[-1][-1].chart.frame.origin
     assert beside.point[0] == pytest.approx(last[0], abs=0.1)
     assert beside.point[1] < last[1]
+
+
+@pytest.mark.parametrize("n", [8, 28, 56])
+def test_long_and_short_columns_take_turns_on_a_folding_fan(n: int) -> None:
+    mesh, found, squares = laid("fan", "一" * n, signature=7)
+    lengths = [len(line) for line in found.lines]
+    assert len(set(lengths[::2])) == 1
+    assert len(set(lengths[1::2])) == 1
+    assert lengths[1] < lengths[0]
+    assert [len(line) for line in lines_of(squares)] == lengths
+    apex = writing_areas(mesh, False)[0].apex
+    arms = [np.linalg.norm(line[0].chart.frame.origin - apex) for line in lines_of(squares)]
+    assert np.ptp(arms) < 0.02 * found.em_mm  # they hang from one arc
+
+
+def test_a_short_last_column_has_the_signature_below_it_wherever_one_fits() -> None:
+    """It was asked with the least distance of characters, and a hole stayed below them."""
+    for form, n in (("square", 28), ("square", 10), ("a4", 10), ("album", 28)):
+        mesh, found, squares = laid(form, "一" * n, signature=7)
+        assert len(found.lines[-1]) < len(found.lines[0])
+        beside = sign_beside(mesh, squares, 7)
+        last = middles(squares)[-1]
+        assert beside.point[0] == pytest.approx(last[0], abs=0.1)
+        assert beside.seal_point[1] > middles(squares)[:, 1].min() - 0.5 * found.em_mm
+        top = beside.point[1] + 0.5 * 7 * beside.em_mm
+        assert top < last[1] - 0.8 * found.em_mm  # it does not touch what stands above
 
 
 @pytest.mark.parametrize("order", ["columns", "row"])
@@ -118,7 +193,7 @@ def test_given_distances_hold(form: str, order: str) -> None:
     assert compose(sheet, POEM, order, between=0.3).between == 0.3
 
 
-@pytest.mark.parametrize("form", ["a4", "couplet", "fan"])
+@pytest.mark.parametrize("form", long_but(["a4", "fan"], ["a4", "couplet", "fan"]))
 def test_a_text_too_long_for_a_sheet_is_refused_with_what_would_fit(form: str) -> None:
     sheet = parse_sheet(form)
     with pytest.raises(InputError, match="60000 characters would fill") as told:

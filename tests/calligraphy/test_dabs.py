@@ -18,8 +18,9 @@ from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.page.svg_drawing import load_svg
-from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
-from paint3d.calligraphy.writing import Pen, write_page
+from paint3d.calligraphy.path_fit import PlanSettings
+from paint3d.calligraphy.planning import on_paper, plan_glyph
+from paint3d.calligraphy.writing import WritingSettings, write_page
 from paint3d.device.sample import DIP
 from paint3d.files.load import load_mesh
 from tests.support.cases import long_but
@@ -55,9 +56,9 @@ def bare_in(glyph: Glyph, footprints: FootprintTable, asked: PlanSettings) -> tu
     """Half the widest bare patch in ems, and what is painted beside the shape over its area."""
     grid = np.array([-0.05 * EM, -0.05 * EM, EM / 1024])
     painted = np.zeros((1230, 1230), np.bool_)
-    for course in plan_glyph(glyph, EM, footprints, asked):
+    for path in plan_glyph(glyph, EM, footprints, asked):
         kernels.cover(
-            footprints.points, course.level, course.centre, course.azimuth, course.share, grid,
+            footprints.points, path.level, path.centre, path.azimuth, path.share, grid,
             painted,
         )  # fmt: skip
     shapes = [
@@ -105,9 +106,9 @@ def test_a_filled_shape_does_not_vary_and_is_dipped_for_as_often_as_it_takes(tmp
     """One load would leave its last strokes grey, and strokes of a hand would leave gaps."""
     (tmp_path / "a.svg").write_text(f"{HEAD}{HOOKS}</svg>", "utf-8")
     page, mesh = load_svg(tmp_path / "a.svg"), load_mesh("plane")
-    pen = Pen(load_brush(choose_brush(EM)), EM)
-    plain = write_page(mesh, page, pen).recording
-    varied = write_page(mesh, page, replace(pen, variation=1.0)).recording
+    settings = WritingSettings(load_brush(choose_brush(EM)), EM)
+    plain = write_page(mesh, page, settings).recording
+    varied = write_page(mesh, page, replace(settings, variation=1.0)).recording
     assert np.array_equal(plain.position, varied.position)
     dips = np.count_nonzero(np.diff(plain.buttons & DIP, prepend=0) > 0)
     assert dips > len(page.pieces) + 1

@@ -15,7 +15,7 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import DipAmount
-from paint3d.calligraphy.dips import DipPolicy, dipped_as, ink_taken, redipped
+from paint3d.calligraphy.dips import LEAST_LOAD, apply_dip_option, ink_taken, remove_dips
 from paint3d.cli.main import main
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP
@@ -71,46 +71,46 @@ def test_each_character_takes_what_its_way_and_pressure_say() -> None:
 
 
 def test_the_brush_is_dipped_where_the_load_would_fall_too_low() -> None:
-    recording = redipped(text([0.1] * 9), BRUSH, DipPolicy())
+    recording = remove_dips(text([0.1] * 9), BRUSH)
     assert dipped_before(recording) == [0, 4, 8]
     amount = DipAmount.of(recording.header["dip"])
-    assert left(4 * 0.1 / amount.wetted) == pytest.approx(DipPolicy().least, rel=1e-3)
+    assert left(4 * 0.1 / amount.wetted) == pytest.approx(LEAST_LOAD, rel=1e-3)
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_no_character_ends_with_less_than_the_policy_leaves(seed: int) -> None:
+def test_no_character_ends_with_less_than_a_dip_is_to_leave(seed: int) -> None:
     random = np.random.default_rng(seed)
     takes = random.uniform(0.001, 0.5, random.integers(1, 13)).tolist()
-    recording = redipped(text(takes), BRUSH, DipPolicy())
+    recording = remove_dips(text(takes), BRUSH)
     wetted = recording.header["dip"]["wetted"]
     load, dips = 1.0, dipped_before(recording)
     for k, taken in enumerate(takes):
         load = left(taken / wetted, 1.0 if k in dips else load)
-        assert load > DipPolicy().least * (1.0 - 1e-3) or wetted == 1.0
+        assert load > LEAST_LOAD * (1.0 - 1e-3) or wetted == 1.0
     assert dips[0] == 0
 
 
 def test_every_third() -> None:
-    recording = redipped(text([0.1, 0.2, 0.1, 0.05, 0.05, 0.1, 0.3]), BRUSH, DipPolicy(3))
+    recording = remove_dips(text([0.1, 0.2, 0.1, 0.05, 0.05, 0.1, 0.3]), BRUSH, 3)
     assert dipped_before(recording) == [0, 3, 6]
     wetted = recording.header["dip"]["wetted"]
-    assert left(0.4 / wetted) == pytest.approx(DipPolicy().least, rel=1e-3)
+    assert left(0.4 / wetted) == pytest.approx(LEAST_LOAD, rel=1e-3)
 
 
 def test_a_column_is_not_begun_with_a_brush_that_is_nearly_dry() -> None:
     """Three of a column leave enough for one more character, and not for two."""
-    same = redipped(text([0.1] * 6), BRUSH, DipPolicy())
-    columns = redipped(text([0.1] * 6, [20.0] * 3 + [60.0] + [20.0] * 2), BRUSH, DipPolicy())
+    same = remove_dips(text([0.1] * 6), BRUSH)
+    columns = remove_dips(text([0.1] * 6, [20.0] * 3 + [60.0] + [20.0] * 2), BRUSH)
     assert dipped_before(same) == [0, 4]
     assert dipped_before(columns) == [0, 3]
 
 
 def test_always_is_as_it_was_planned() -> None:
-    assert dipped_as(demo(), BRUSH, "always") is demo()
+    assert apply_dip_option(demo(), BRUSH, "always") is demo()
 
 
 def test_the_hand_goes_the_same_way() -> None:
-    recording = dipped_as(demo(), BRUSH, "auto")
+    recording = apply_dip_option(demo(), BRUSH, "auto")
     np.testing.assert_array_equal(recording.position, demo().position)
     np.testing.assert_array_equal(recording.pressure, demo().pressure)
     assert not (recording.buttons & ~demo().buttons).any()
@@ -118,7 +118,7 @@ def test_the_hand_goes_the_same_way() -> None:
 
 def test_what_is_foretold_is_what_is_left() -> None:
     """Over the demo's characters the load falls as far as was foretold, within a tenth of it."""
-    recording = dipped_as(demo(), BRUSH, "auto")
+    recording = apply_dip_option(demo(), BRUSH, "auto")
     amount = DipAmount.of(recording.header["dip"])
     surface = PaintedSurface(load_mesh("bowl"), resolution=0.6)
     painter = Painter(surface, BRUSH, "pine soot", amount=amount)
@@ -155,10 +155,10 @@ def test_amounts_that_are_none(words: object) -> None:
         DipAmount.of(words)
 
 
-@pytest.mark.parametrize("policy", [{"every": 0}, {"every": 1.5}, {"least": 1.0}])
-def test_policies_that_are_none(policy: dict[str, object]) -> None:
+@pytest.mark.parametrize("every", [0, 1.5])
+def test_dips_before_no_count_of_characters(every: float) -> None:
     with pytest.raises(InputError, match="expected"):
-        DipPolicy(**policy)
+        remove_dips(text([0.1]), BRUSH, every)
 
 
 def test_an_amount_is_of_a_whole_dip() -> None:

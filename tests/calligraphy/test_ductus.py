@@ -12,8 +12,8 @@ from shapely import LineString, MultiPolygon, Polygon, box
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
+from paint3d.calligraphy.polyline import resample
 from paint3d.calligraphy.shapes import decompose as decomposing
-from paint3d.calligraphy.shapes.continuation import resampled
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.dots import dot_among
 from paint3d.calligraphy.shapes.ductus import (
@@ -23,7 +23,7 @@ from paint3d.calligraphy.shapes.ductus import (
     form_of,
     known_strokes,
 )
-from paint3d.calligraphy.shapes.regions import Piece
+from paint3d.calligraphy.shapes.regions import InkStroke
 from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order, register, tangents_of
 from tests.support.cases import long_but
 from tests.support.examples import examples
@@ -189,7 +189,7 @@ CORNER = [[104.0, 80.0], [104.0, 4.0]]
 def test_a_doubtful_stroke_begins_where_the_pen_is(line, told, begins):
     """The table's second stroke runs across it, and so tells its direction only so far."""
     line = np.array(line)
-    first, second = resampled(np.array([[0.0, 0.0], [100.0, 0.0]]), 4.0), resampled(line, 4.0)
+    first, second = resample(np.array([[0.0, 0.0], [100.0, 0.0]]), 4.0), resample(line, 4.0)
     along, aside = tangents_of(second), tangents_of(second)[:, ::-1] * [-1.0, 1.0]
     known = KnownStrokes(
         np.concatenate([first, second]),
@@ -199,7 +199,7 @@ def test_a_doubtful_stroke_begins_where_the_pen_is(line, told, begins):
         2,
         20.0,
     )
-    pieces = [(Piece(first, Polygon()), 0), (Piece(line, Polygon()), 1)]
+    pieces = [(InkStroke(first, Polygon()), 0), (InkStroke(line, Polygon()), 1)]
     assert in_known_order(pieces, known)[1].line[0].tolist() == line[begins].tolist()
     if told > 0.3:  # of letters that are joined along a line the way is known
         along_it = in_known_order(pieces, known, by_start=True)
@@ -262,7 +262,7 @@ def test_the_way_through_joined_letters_leads_to_the_left():
 
 def test_a_slanted_letter_is_found_by_its_slant():
     """The K of KanjiVG, leaned by 31 degrees: laid by its box, its strokes end in each other's."""
-    lines = [resampled(stroke.median, 20.0, 6) for stroke in known_strokes(SOURCE, "K")[0].strokes]
+    lines = [resample(stroke.median, 20.0, 6) for stroke in known_strokes(SOURCE, "K")[0].strokes]
     leaned = [line @ np.array([[0.6, 0.0], [0.6, 1.0]]) for line in lines]
     tangents = np.concatenate([tangents_of(line) for line in leaned])
     found = register(lines, np.concatenate(leaned), tangents, start="slanted")
@@ -271,12 +271,12 @@ def test_a_slanted_letter_is_found_by_its_slant():
 
 
 def test_strokes_along_one_way_follow_each_other_by_their_starts():
-    way = resampled(np.array([[1000.0, 0.0], [0.0, 0.0]]), 5.0)
+    way = resample(np.array([[1000.0, 0.0], [0.0, 0.0]]), 5.0)
     known = KnownStrokes(
         way, tangents_of(way), np.zeros(len(way), int), np.linspace(0.0, 1.0, len(way)), 1, 50.0
     )
     long, short = (
-        Piece(np.array([[first, 0.0], [last, 0.0]]), Polygon()) for first, last in
+        InkStroke(np.array([[first, 0.0], [last, 0.0]]), Polygon()) for first, last in
         ((1000.0, 100.0), (800.0, 650.0))
     )  # fmt: skip
     pairs = [(short, None), (long, None)]
@@ -342,7 +342,7 @@ def test_a_joined_form_counts_where_it_lies_far_nearer(
             fit=0, away=joined if isinstance(form, JoinedForm) else apart, known=form
         )
 
-    monkeypatch.setattr(decomposing, "_laid_over", laid)
-    best = vars(decomposing)["_best_of"]([], forms)
+    monkeypatch.setattr(decomposing, "_lay_forms", laid)
+    best = vars(decomposing)["_best_form"]([], forms)
     assert isinstance(best.known, JoinedForm) == is_joined
     assert any(isinstance(form, JoinedForm) for form in asked) == (apart > 0.15)

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from paint3d.brush.presets import load_brush
-from paint3d.calligraphy.flying_white import dried_as, loads_for, with_loads
+from paint3d.calligraphy.flying_white import loads_for, with_dryness, with_loads
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
-from paint3d.calligraphy.writing import Pen, Written, write_page
+from paint3d.calligraphy.writing import WritingSettings, Written, write_page
 from paint3d.colour.materials import load_material
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
@@ -34,14 +34,16 @@ def bar(dryness: tuple[float, ...]) -> Page:
 
 
 def written(dryness: tuple[float, ...]) -> Written:
-    return write_page(load_mesh("plane"), bar(dryness), Pen(load_brush("zhongbaiyun"), 40.0))
+    return write_page(
+        load_mesh("plane"), bar(dryness), WritingSettings(load_brush("zhongbaiyun"), 40.0)
+    )
 
 
 def bare_shares(dryness: tuple[float, ...], material: str = "xuan") -> list[float]:
     """Share left bare in the quarters of a bar, within its middle."""
     one = written(dryness)
     surface = PaintedSurface(load_mesh("plane"), 0.25, material=material)
-    recording = dried_as(one.recording, one.dryness, load_material(material))
+    recording = with_dryness(one.recording, one.dryness, load_material(material))
     amount = recorded_amount(recording.header)
     Painter(surface, "zhongbaiyun", amount=amount).replay(recording)
     frame = one.placed[0].square.chart.frame
@@ -65,7 +67,7 @@ def test_a_stroke_is_as_dry_as_was_asked_for_where_it_was():
 
 def test_a_glaze_has_no_grain_to_leave_bare():
     one = written((0.8,) * 8)
-    recording = dried_as(one.recording, one.dryness, load_material("porcelain"))
+    recording = with_dryness(one.recording, one.dryness, load_material("porcelain"))
     assert recording is one.recording
 
 
@@ -104,7 +106,7 @@ def test_what_is_told_is_little_and_survives_a_file(tmp_path: Path):
 
 def test_a_recording_paints_what_its_plan_painted(tmp_path: Path):
     one = written((0.0, 0.3, 0.6, 0.8))
-    recording = dried_as(one.recording, one.dryness, load_material("xuan"))
+    recording = with_dryness(one.recording, one.dryness, load_material("xuan"))
     save_recording(recording, tmp_path / "a.jsonl.gz")
     painted = []
     for way in (recording, load_recording(tmp_path / "a.jsonl.gz")):
@@ -118,7 +120,7 @@ def test_dryness_of_a_strokes_file_is_painted(tmp_path: Path):
     file = tmp_path / "bar.strokes.json"
     save_strokes(bar((0.0, 0.5, 1.0)), file)
     page = load_strokes(file)
-    again = write_page(load_mesh("plane"), page, Pen(load_brush("zhongbaiyun"), 40.0))
+    again = write_page(load_mesh("plane"), page, WritingSettings(load_brush("zhongbaiyun"), 40.0))
     assert again.dryness is not None
     known = again.dryness[np.isfinite(again.dryness)]
     assert known.min() < 0.1

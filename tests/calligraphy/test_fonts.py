@@ -373,7 +373,7 @@ def test_what_is_far_too_long_is_refused_before_it_is_set(monkeypatch, order) ->
     def nothing(*_):
         raise AssertionError("it is set")
 
-    monkeypatch.setattr(FontText, "_set", nothing)
+    monkeypatch.setattr(FontText, "_set_lines", nothing)
     text = "".join(f"{word:b} ".replace("0", "o").replace("1", "l") for word in range(1, 1200))
     assert len(text) > 10_000
     plane = ClosestPoints(load_mesh("plane"))

@@ -12,10 +12,10 @@ from hypothesis import strategies as st
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.hand_motion import join_motions, to_hand_motion, travel
+from paint3d.calligraphy.hand_motion import join_motions, move_between, to_hand_motion
 from paint3d.calligraphy.timing import Motion, Tempo
 from paint3d.calligraphy.variation import vary_motion
-from paint3d.calligraphy.writing import Pen, write_text
+from paint3d.calligraphy.writing import WritingSettings, write_text
 from paint3d.core.quaternion import rotate
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
@@ -75,7 +75,7 @@ def test_the_bend_keeps_its_azimuth():
 def test_ways_keep_clear_of_the_object_and_within_limits(goal):
     (one, _), (two, _) = laid((0, -75, 0)), laid(goal)
     tempo = Tempo()
-    way = travel(one, two, sphere(), tuft(), tempo)
+    way = move_between(one, two, sphere(), tuft(), tempo)
     up = rotate(way.orientation, np.array([0.0, 0.0, 1.0]))
     for share in (0.0, 0.5, 1.0):
         along = way.position - share * tuft().length * up
@@ -143,8 +143,8 @@ class OneStroke:
 
 
 def ways(variation: float, seed: int = 0) -> np.ndarray:
-    pen = Pen(load_brush("xiaokai"), 20.0, variation=variation, seed=seed)
-    written = write_text(load_mesh("plane"), "一一", OneStroke(), pen)
+    settings = WritingSettings(load_brush("xiaokai"), 20.0, variation=variation, seed=seed)
+    written = write_text(load_mesh("plane"), "一一", OneStroke(), settings)
     assert written.recording.header.get("variation", 0.0) == variation
     return written.recording.position
 

@@ -19,7 +19,7 @@ from paint3d.calligraphy.photo.copying import Asked, copy_sheet
 from paint3d.calligraphy.photo.flat_page import FlatPage
 from paint3d.calligraphy.photo.likeness import painted_sheet, strength_of_both
 from paint3d.calligraphy.photo.rehearsal import rehearsed
-from paint3d.calligraphy.writing import Pen, Written, write_page
+from paint3d.calligraphy.writing import WritingSettings, Written, write_page
 from paint3d.colour.materials import load_material
 from paint3d.errors import InputError, RecordingError
 from paint3d.files.load import load_mesh
@@ -45,7 +45,7 @@ def page_of(strengths=STRENGTHS) -> Page:
 
 @cache
 def written() -> Written:
-    return write_page(load_mesh("plane"), page_of(), Pen(load_brush("xiaokai"), EM_MM))
+    return write_page(load_mesh("plane"), page_of(), WritingSettings(load_brush("xiaokai"), EM_MM))
 
 
 def painted(recording) -> list[float]:
@@ -123,7 +123,9 @@ def test_the_stronger_the_less_water() -> None:
 
 
 def test_black_strokes_alone_tell_nothing() -> None:
-    one = write_page(load_mesh("plane"), page_of((1.0,)), Pen(load_brush("xiaokai"), EM_MM))
+    one = write_page(
+        load_mesh("plane"), page_of((1.0,)), WritingSettings(load_brush("xiaokai"), EM_MM)
+    )
     assert one.strength is None
     assert with_strengths(one.recording, one.strength) is one.recording
 
@@ -197,7 +199,7 @@ def test_strokes_of_a_rubbing_hold_no_ink() -> None:
 def test_of_a_stroke_that_left_no_ink_a_trial_tells_nothing() -> None:
     pytest.importorskip("skimage")
     sheet = scanned()
-    plan = write_page(load_mesh("plane"), sheet.page, Pen(load_brush("xiaokai"), EM_MM))
+    plan = write_page(load_mesh("plane"), sheet.page, WritingSettings(load_brush("xiaokai"), EM_MM))
     bare = PaintedSurface(load_mesh("plane"), 2.0, "xuan")
     bare.refresh()
     after = rehearsed(plan, lambda _: bare, load_material("xuan"), 1, sheet)
@@ -248,7 +250,10 @@ def test_strokes_beside_their_box_are_corrected_alike() -> None:
         surface.refresh()
         return surface
 
-    plans = [write_page(mesh, one, Pen(load_brush("xiaokai"), EM_MM)) for one in (page, beside)]
+    plans = [
+        write_page(mesh, one, WritingSettings(load_brush("xiaokai"), EM_MM))
+        for one in (page, beside)
+    ]
     least = [
         np.nanmin(rehearsed(plan, paint, load_material("porcelain"), 1).strength) for plan in plans
     ]
@@ -257,7 +262,9 @@ def test_strokes_beside_their_box_are_corrected_alike() -> None:
 
 
 def test_strokes_that_ask_for_nothing_are_not_painted_on_trial() -> None:
-    plan = write_page(load_mesh("plane"), page_of((1.0,)), Pen(load_brush("xiaokai"), EM_MM))
+    plan = write_page(
+        load_mesh("plane"), page_of((1.0,)), WritingSettings(load_brush("xiaokai"), EM_MM)
+    )
 
     def never(_: Written) -> PaintedSurface:
         raise AssertionError("it was painted")
@@ -270,7 +277,7 @@ def test_a_dry_page_on_smooth_ground_is_not_painted_on_trial() -> None:
     glyph = page.pieces[0].glyph
     dry = replace(glyph, strokes=(replace(glyph.strokes[0], dryness=(0.1, 0.8, 0.4)),))
     page = replace(page, pieces=(Piece(dry, (0.0, 0.0)),))
-    plan = write_page(load_mesh("plane"), page, Pen(load_brush("xiaokai"), EM_MM))
+    plan = write_page(load_mesh("plane"), page, WritingSettings(load_brush("xiaokai"), EM_MM))
     seen = []
 
     def paint(_: Written) -> PaintedSurface:

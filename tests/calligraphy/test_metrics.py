@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from paint3d.calligraphy.metrics import MARGIN, PIXELS, compare, copybook_mask, painted_mask
-from paint3d.calligraphy.planning import PlanSettings
+from paint3d.calligraphy.path_fit import PlanSettings
 from paint3d.errors import InputError
 from tests.support.copybook import Desk, copy_character
 from tests.support.examples import examples

@@ -59,9 +59,7 @@ def copied(text: str, seed: int, dry: float) -> tuple[Photographed, CopiedSheet]
     return there, copy_sheet(there.pixels, "sheet.jpg", Asked(lines=(text,), templates=known))
 
 
-@pytest.mark.parametrize(
-    "seed", [*range(2), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(2, 8))]
-)
+@pytest.mark.parametrize("seed", long_but([0], range(8)))
 def test_corners_are_found(seed: int) -> None:
     there = shot("永", seed, 0.0, Camera(size=640))
     side = np.linalg.norm(there.corners - np.roll(there.corners, -1, axis=0), axis=1).mean()
@@ -97,7 +95,7 @@ def table(*papers: tuple[int, int, int, int], framed: bool = False) -> np.ndarra
 FOUR = ((60, 40, 400, 320), (480, 50, 840, 330), (70, 380, 410, 660), (490, 370, 830, 650))
 
 
-@pytest.mark.parametrize("n", long_but([1, 2], [1, 2, 4]))
+@pytest.mark.parametrize("n", long_but([2], [1, 2, 4]))
 def test_every_sheet_in_a_picture_is_named(n: int) -> None:
     pixels = table(*FOUR[:n])
     found = find_sheets(pixels)
@@ -111,7 +109,7 @@ def test_every_sheet_in_a_picture_is_named(n: int) -> None:
         assert notes[0].startswith(f"{n} sheets stand out in the picture")
         for one in found:
             assert " ".join(f"{x:.0f},{y:.0f}" for x, y in one) in notes[0]
-    assert copy_sheet(pixels, "sheets.jpg", Asked(corners=found[0])).notes == ()
+        assert copy_sheet(pixels, "sheets.jpg", Asked(corners=found[0])).notes == ()
 
 
 def stained() -> np.ndarray:
@@ -128,9 +126,9 @@ def stained() -> np.ndarray:
     ("asked", "n"),
     [
         pytest.param(Asked(whole=True), 8, marks=pytest.mark.long),  # the blot is taken for three
-        (Asked(whole=True, darker=0.6), 5),
-        (Asked(whole=True, least=0.01), 5),
-        pytest.param(Asked(whole=True, least=0.01, darker=0.6), 2, marks=pytest.mark.long),
+        pytest.param(Asked(whole=True, darker=0.6), 5, marks=pytest.mark.long),
+        pytest.param(Asked(whole=True, least=0.01), 5, marks=pytest.mark.long),
+        (Asked(whole=True, least=0.01, darker=0.6), 2),
     ],
 )
 def test_what_is_pale_or_small_is_left_out_where_it_is_asked(asked: Asked, n: int) -> None:
@@ -398,7 +396,7 @@ def test_a_scan_in_black_and_white_is_read() -> None:
 
 @pytest.mark.parametrize("whole", long_but([True], [True, False]))
 def test_a_dithered_one_is_told(whole: bool) -> None:
-    there = shot("永和", 4, 0.0, Camera(size=700, fills=whole), seals=0)
+    there = shot("永和", 4, 0.0, Camera(size=700, fills=whole, shadow=0.0), seals=0)
     told = refused(one_bit(there.pixels, Image.Dither.FLOYDSTEINBERG), whole=whole)
     assert "scan in grey" in told
 
@@ -485,12 +483,12 @@ def test_strokes_of_few_pixels_are_too_coarse() -> None:
 
 
 def test_more_pieces_of_ink_than_a_sheet_of_writing_has_are_told() -> None:
-    pixels = np.full((800, 800, 3), 240, np.uint8)
-    for y in range(30, 770, 12):
-        for x in range(30, 770, 12):
+    pixels = np.full((620, 620, 3), 240, np.uint8)
+    for y in range(30, 590, 12):
+        for x in range(30, 590, 12):
             pixels[y : y + 6, x : x + 6] = 20
     told = refused(pixels, whole=True)
-    assert "3,844 pieces" in told
+    assert "2,209 pieces" in told
     assert "crop it" in told
 
 
@@ -508,7 +506,7 @@ def test_light_is_blurred_as_scipy_blurs_it(n: int, sigma: float) -> None:
 
 
 def test_a_highlight_is_told() -> None:
-    there = shot("大", 2, 0.0, Camera(size=700, fills=True, light=0.2), seals=0)
+    there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
     pixels = (0.8 * there.pixels).astype(np.uint8)
     y, x = np.mgrid[0 : pixels.shape[0], 0 : pixels.shape[1]]
     pixels[(y - 300) ** 2 + (x - 300) ** 2 < 120**2] = 255
@@ -516,7 +514,7 @@ def test_a_highlight_is_told() -> None:
 
 
 def test_a_black_shadow_is_told() -> None:
-    there = shot("大", 2, 0.0, Camera(size=700, fills=True), seals=0)
+    there = shot("大", 2, 0.0, Camera(size=700, fills=True, shadow=0.0), seals=0)
     pixels = there.pixels.copy()
     pixels[:, : pixels.shape[1] // 3] = 4
     assert "shadow" in refused(pixels, whole=True)

@@ -20,17 +20,16 @@ from paint3d.calligraphy.hand_motion import root_stretch
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.layout import layout_text
 from paint3d.calligraphy.page.laying import PlacedPiece
-from paint3d.calligraphy.path_fit import PathFitter
+from paint3d.calligraphy.path_fit import PathFitter, PlanSettings
 from paint3d.calligraphy.planning import (
     Corner,
-    PlanSettings,
     corners_in,
     detours_to,
     on_paper,
     plan_glyph,
     plan_stroke,
 )
-from paint3d.calligraphy.timing import Tempo, time_courses
+from paint3d.calligraphy.timing import Tempo, time_paths
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
@@ -61,17 +60,17 @@ def example(angle=0.0, brush="xiaokai"):
 @settings(deadline=None, max_examples=examples(25))
 def test_nothing_leaves_the_outline(angle, length, width, bend):
     outline, median = band(angle, length, width, bend)
-    course = plan_stroke(outline, median, EM, footprints())
+    path = plan_stroke(outline, median, EM, footprints())
     allowed = PlanSettings().margin * EM + 0.5 * EM / 512  # half a pixel of the field
-    for i in range(1, len(course.level) - 1, 5):
-        assert signed_distance(outline, boundary(course, footprints(), i)).min() > -allowed
+    for i in range(1, len(path.level) - 1, 5):
+        assert signed_distance(outline, boundary(path, footprints(), i)).min() > -allowed
 
 
 @pytest.mark.parametrize(("brush", "least"), [("xiaokai", 0.94), ("full", 0.95)])
 @pytest.mark.parametrize("angle", [0.0, -1.4, 2.5])
 def test_stroke_is_covered(angle, brush, least):
-    course = example(angle, brush)
-    assert overlap(course, footprints(brush), band(angle, 12.0, 1.4, 0.6)[0]) > least
+    path = example(angle, brush)
+    assert overlap(path, footprints(brush), band(angle, 12.0, 1.4, 0.6)[0]) > least
 
 
 @pytest.mark.parametrize("azimuth", ["commanded", "dragged"])
@@ -80,8 +79,8 @@ def test_square_ends_of_a_bold_stroke_are_filled(azimuth):
     outline = np.array([[4.0, 8.0], [12.0, 8.0], [12.0, 11.0], [4.0, 11.0]])
     median = np.array([[5.5, 9.5], [10.5, 9.5]])
     table = footprints("xiaobaiyun")
-    course = plan_stroke(outline, median, EM, table, PlanSettings(azimuth=azimuth))
-    assert overlap(course, table, outline) > 0.95
+    path = plan_stroke(outline, median, EM, table, PlanSettings(azimuth=azimuth))
+    assert overlap(path, table, outline) > 0.95
     plain = plan_stroke(outline, median, EM, table, PlanSettings(azimuth=azimuth, detours=0))
     assert overlap(plain, table, outline) < 0.91
 
@@ -119,7 +118,7 @@ def test_what_is_known_of_a_line_changes_nothing_but_the_time():
 def test_quarter_turn_of_the_paper_turns_the_course():
     a, b = example(0.3), example(0.3 + 0.5 * math.pi)
     # its body: which of two detours to a corner is the better by a hair may be another
-    body, turned = (np.percentile(course.descent, 75.0) for course in (a, b))
+    body, turned = (np.percentile(path.descent, 75.0) for path in (a, b))
     assert turned == pytest.approx(body, rel=0.05)
     assert overlap(b, footprints(), band(0.3 + 0.5 * math.pi, 12.0, 1.4, 0.6)[0]) == pytest.approx(
         overlap(a, footprints(), band(0.3, 12.0, 1.4, 0.6)[0]), abs=0.02
@@ -127,28 +126,28 @@ def test_quarter_turn_of_the_paper_turns_the_course():
 
 
 def test_handle_stands_behind_the_footprint():
-    course = example()
-    bend = np.stack([np.cos(course.azimuth), np.sin(course.azimuth)], axis=1)
-    reach = np.sum((course.centre - course.handle) * bend, axis=1)
-    assert np.allclose(course.handle + reach[:, None] * bend, course.centre, atol=1e-12)
-    touching = course.level >= 0
-    assert np.allclose(reach[touching], footprints().centroid_at(course.level[touching]), atol=1e-9)
-    assert np.allclose(course.descent[touching], footprints().descent_at(course.level[touching]))
+    path = example()
+    bend = np.stack([np.cos(path.azimuth), np.sin(path.azimuth)], axis=1)
+    reach = np.sum((path.centre - path.handle) * bend, axis=1)
+    assert np.allclose(path.handle + reach[:, None] * bend, path.centre, atol=1e-12)
+    touching = path.level >= 0
+    assert np.allclose(reach[touching], footprints().centroid_at(path.level[touching]), atol=1e-9)
+    assert np.allclose(path.descent[touching], footprints().descent_at(path.level[touching]))
 
 
 def test_course_starts_and_ends_lifted_and_turns_evenly():
-    course = example()
-    assert course.descent[0] == course.descent[-1] == 0.0
-    assert (course.descent[1:-1] > 0.0).all()
-    assert np.abs(np.diff(course.azimuth)).max() < 0.2
+    path = example()
+    assert path.descent[0] == path.descent[-1] == 0.0
+    assert (path.descent[1:-1] > 0.0).all()
+    assert np.abs(np.diff(path.azimuth)).max() < 0.2
 
 
 def test_trailing_tip_is_preferred_in_the_middle():
-    course = example()
-    middle = slice(len(course.level) // 3, 2 * len(course.level) // 3)
-    ahead = np.gradient(course.centre, axis=0)[middle]
+    path = example()
+    middle = slice(len(path.level) // 3, 2 * len(path.level) // 3)
+    ahead = np.gradient(path.centre, axis=0)[middle]
     heading = np.arctan2(ahead[:, 1], ahead[:, 0])
-    assert np.cos(course.azimuth[middle] - heading).mean() < -0.8
+    assert np.cos(path.azimuth[middle] - heading).mean() < -0.8
 
 
 @pytest.mark.parametrize(
@@ -156,13 +155,13 @@ def test_trailing_tip_is_preferred_in_the_middle():
 )
 def test_technique_holds_the_bend_against_the_motion(technique, degrees):
     asked = PlanSettings(technique=technique)
-    course = plan_stroke(*band(0.2, 14.0, 1.4), EM, footprints("slender"), asked)
-    middle = slice(len(course.level) // 3, 2 * len(course.level) // 3)
-    ahead = np.gradient(course.centre, axis=0)[middle]
-    angle = course.azimuth[middle] - np.arctan2(ahead[:, 1], ahead[:, 0])
+    path = plan_stroke(*band(0.2, 14.0, 1.4), EM, footprints("slender"), asked)
+    middle = slice(len(path.level) // 3, 2 * len(path.level) // 3)
+    ahead = np.gradient(path.centre, axis=0)[middle]
+    angle = path.azimuth[middle] - np.arctan2(ahead[:, 1], ahead[:, 0])
     held = np.degrees(np.arccos(np.cos(angle)))
     assert held == pytest.approx(degrees, abs=15.0)
-    assert (course.level[middle] > 0.0).all()
+    assert (path.level[middle] > 0.0).all()
 
 
 def test_unknown_technique_is_refused():
@@ -221,15 +220,15 @@ def test_ring_is_covered_and_its_hole_left_bare(em, width, least):
     """However fine it is beside the em: 0.006 ems are 0.05 mm of 8."""
     outline, hole, median = ring(em, width)
     table = tabulate_footprints(build_tuft(load_brush(choose_brush(em))), 0.2 * em)
-    course = plan_stroke(outline, median, em, table, holes=[hole])
+    path = plan_stroke(outline, median, em, table, holes=[hole])
     field = outline_field(outline, width * em / 16, [hole])
     painted = np.zeros(field.distance.shape, np.bool_)
     kernels.cover(
         table.points,
-        course.level,
-        course.centre,
-        course.azimuth,
-        course.share,
+        path.level,
+        path.centre,
+        path.azimuth,
+        path.share,
         field.grid,
         painted,
     )
@@ -244,11 +243,11 @@ def test_a_frayed_edge_is_followed() -> None:
     low, high = np.stack([x, -left], axis=1), np.stack([x, right], axis=1)[::-1]
     outline, median = np.concatenate([low, high]), np.stack([x, 0.0 * x], axis=1)[4:-4]
     table = tabulate_footprints(build_tuft(load_brush(choose_brush(em))), 0.2 * em)
-    course = plan_stroke(outline, median, em, table)
+    path = plan_stroke(outline, median, em, table)
     field = outline_field(outline, em / 4096)
     painted = np.zeros(field.distance.shape, np.bool_)
     kernels.cover(
-        table.points, course.level, course.centre, course.azimuth, course.share, field.grid, painted
+        table.points, path.level, path.centre, path.azimuth, path.share, field.grid, painted
     )
     shared = (painted & field.inside).sum() / (painted | field.inside).sum()
     assert shared > 0.945
@@ -354,7 +353,7 @@ def test_cover_fills_the_area_of_a_footprint():
 
 @functools.cache
 def motion():
-    return time_courses([[example(0.0), example(-1.4)], [example(2.5)]], EM)
+    return time_paths([[example(0.0), example(-1.4)], [example(2.5)]], EM)
 
 
 def derivative(values):
@@ -381,8 +380,8 @@ def test_brush_touches_once_a_stroke_and_is_lifted_between():
 def test_motion_follows_the_course():
     down = motion().height < 0.0
     stroke = np.cumsum(np.r_[0, np.diff(down.astype(int)) == 1])
-    for k, course in enumerate((example(0.0), example(-1.4), example(2.5))):
-        planned = np.column_stack([course.handle, -course.descent])
+    for k, path in enumerate((example(0.0), example(-1.4), example(2.5))):
+        planned = np.column_stack([path.handle, -path.descent])
         at = np.arange(0, len(planned) - 1, 0.1)
         planned = np.stack([np.interp(at, np.arange(len(planned)), c) for c in planned.T], axis=1)
         timed = np.column_stack([motion().handle, motion().height])[down & (stroke == k + 1)]
@@ -400,8 +399,8 @@ def test_brush_is_dipped_before_each_character_and_only_lifted():
 
 
 def test_slow_hand_takes_longer():
-    slow = time_courses([[example(0.0)]], EM, Tempo(cruise=0.1))
-    assert slow.time_s[-1] > 1.3 * time_courses([[example(0.0)]], EM).time_s[-1]
+    slow = time_paths([[example(0.0)]], EM, Tempo(cruise=0.1))
+    assert slow.time_s[-1] > 1.3 * time_paths([[example(0.0)]], EM).time_s[-1]
 
 
 @pytest.mark.parametrize(
@@ -434,7 +433,7 @@ def test_root_goes_farther_over_a_ball_and_no_farther_in_a_hollow(radius, stretc
 
 def test_nothing_to_write_is_refused():
     with pytest.raises(InputError, match="no stroke"):
-        time_courses([], EM)
+        time_paths([], EM)
 
 
 def test_glyph_is_planned_stroke_by_stroke():
@@ -443,13 +442,13 @@ def test_glyph_is_planned_stroke_by_stroke():
     for angle in (0.0, 1.2):
         outline, median = band(angle, 12.0, 1.4, 0.6)
         strokes.append(GlyphStroke(outline * scale - [0, 124], median * scale - [0, 124]))
-    courses = plan_glyph(Glyph("二", tuple(strokes)), EM, footprints())
-    assert len(courses) == 2
+    paths = plan_glyph(Glyph("二", tuple(strokes)), EM, footprints())
+    assert len(paths) == 2
     outline = on_paper(strokes[1].outline, EM)
     alone = plan_stroke(outline, on_paper(strokes[1].median, EM), EM, footprints())
-    assert np.array_equal(courses[1].handle, alone.handle)
+    assert np.array_equal(paths[1].handle, alone.handle)
     at_once = plan_glyph(Glyph("二", tuple(strokes)), EM, footprints(), threads=2)
-    for one, other in zip(courses, at_once, strict=True):
+    for one, other in zip(paths, at_once, strict=True):
         for name in ("handle", "azimuth", "descent", "centre", "level"):
             assert np.array_equal(getattr(one, name), getattr(other, name))
 
@@ -474,13 +473,13 @@ def hook():
 
 
 @functools.cache
-def course(start):
+def path(start):
     return plan_stroke(*band(0.4, 12.0, 1.4, 0.6), EM, soft_footprints(), DRAGGED, start=start)
 
 
 @pytest.mark.parametrize("start", [None, 0.4, 2.0, -1.5])
 def test_law_turns_the_tuft_as_planned(start):
-    planned = course(start)
+    planned = path(start)
     inner = slice(1, -1)
     slack = soft_footprints().slack_at(planned.level[inner])
     first = planned.azimuth[1] if start is None else start
@@ -493,11 +492,11 @@ def test_law_turns_the_tuft_as_planned(start):
 @pytest.mark.parametrize("start", [None, 0.4, 2.0, -1.5])
 def test_outline_is_filled_wherever_the_tuft_pointed_before(start):
     outline, _ = band(0.4, 12.0, 1.4, 0.6)
-    assert overlap(course(start), soft_footprints(), outline) > 0.95
+    assert overlap(path(start), soft_footprints(), outline) > 0.95
 
 
 def test_tuft_trails_in_the_middle():
-    planned = course(None)
+    planned = path(None)
     middle = slice(len(planned.level) // 3, 2 * len(planned.level) // 3)
     ahead = np.gradient(planned.centre, axis=0)[middle]
     angle = planned.azimuth[middle] - np.arctan2(ahead[:, 1], ahead[:, 0])
@@ -506,7 +505,7 @@ def test_tuft_trails_in_the_middle():
 
 def test_footprints_stay_in_the_outline():
     outline, _ = band(0.4, 12.0, 1.4, 0.6)
-    planned = course(2.0)
+    planned = path(2.0)
     big = np.flatnonzero(planned.level > 1.0)
     allowed = DRAGGED.margin * EM + EM / 512
     for i in big[::7]:
@@ -541,15 +540,15 @@ def test_a_tuft_too_blunt_to_turn_under_way_turns_over_on_its_tip():
 
 
 def off_what_fits(monkeypatch, shape) -> list[float]:
-    """By how many levels each course of a stroke misses what fits where it lies, in the mean."""
+    """By how many levels each path of a stroke misses what fits where it lies, in the mean."""
     leads, missed = [], []
     laws = vars(lag_compensation)
     monkeypatch.setattr(path_fit, "pull", lambda lead: leads.append(lead) or laws["pull"](lead))
     plan_stroke(*shape, EM, soft_footprints(), DRAGGED)
     for lead in leads:
         light = laws["_light_poses"](lead.wanted, float(lead.footprints.slack[0]))
-        course = laws["pull"](lead)
-        off = course.level - laws["_fitting"](course, light, lead)
+        path = laws["pull"](lead)
+        off = path.level - laws["_fit_levels"](path, light, lead)
         missed.append(float(np.sqrt((off**2).mean())))
     return missed
 
@@ -569,13 +568,13 @@ def test_only_trailing_can_be_asked_of_a_dragged_tuft():
 
 
 def test_what_was_planned_ahead_is_not_planned_again(monkeypatch) -> None:
-    mesh, pen = load_mesh("plane"), writing.Pen(load_brush("xiaokai"), 18.0)
+    mesh, settings = load_mesh("plane"), writing.WritingSettings(load_brush("xiaokai"), 18.0)
     glyphs = load_glyphs(open_glyphs(None), "十")
     placed = [
         PlacedPiece(glyphs[one.text], one.square)
         for one in layout_text(ClosestPoints(mesh), "十", 18.0)
     ]
-    assert len(list(writing.plan_ahead(placed, pen))) == 1
-    monkeypatch.setattr(writing, "_planned", lambda *_, **__: pytest.fail("planned again"))
-    again = writing.write_text(mesh, "十", open_glyphs(None), pen)
+    assert len(list(writing.plan_ahead(placed, settings))) == 1
+    monkeypatch.setattr(writing, "_plan_motion", lambda *_, **__: pytest.fail("planned again"))
+    again = writing.write_text(mesh, "十", open_glyphs(None), settings)
     assert len(again.recording) > 100

@@ -61,7 +61,7 @@ def test_white_lines_are_what_red_ones_would_be() -> None:
     [
         ({"text": "永和九年春"}, "5 characters; expected 1 to 4"),
         ({"text": " "}, "0 characters"),
-        ({}, "a seal of nothing"),
+        ({}, "neither text nor drawing"),
         ({"text": "永", "drawing": "a.svg"}, "a text and a drawing"),
         ({"text": "永", "style": "round"}, "style is 'round'"),
         ({"text": "永", "size_mm": 1.0}, r"size \(mm\) is 1"),

@@ -89,7 +89,7 @@ def test_white_covers_what_lies_below_it(tmp_path) -> None:
         ('<!DOCTYPE svg [<!ENTITY a "b">]>' + HEAD, "<g/>", "entities are declared"),
         (HEAD, '<use xlink:href="http://a.b/c.svg#d"/>', "outside of itself"),
         (HEAD, "<style>@import url(a.css);</style>", "outside of itself"),
-        (HEAD, '<g id="a"><use xlink:href="#a"/></g>', "uses itself"),
+        (HEAD, '<g id="a"><use xlink:href="#a"/></g>', "refers to itself"),
         (HEAD, "<text>hi</text>", "nothing is filled or stroked"),
         (HEAD, "<g>", "not well-formed"),
         ("<html>", "", "not well-formed|expected svg"),

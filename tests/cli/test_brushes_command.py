@@ -176,7 +176,7 @@ def test_brushes_that_the_studio_keeps_are_listed_with_their_files(
     (line,) = (line for line in told.out.splitlines() if line.startswith("wolf 1"))
     assert f"--brush {path}" in line
     assert " 0.4 " in line
-    assert "z.toml: says no hair" in told.err
+    assert "z.toml: hair, n_segments" in told.err
     assert load_brush(str(path)).hardness == 0.4
 
 

@@ -14,7 +14,7 @@ from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.page.strokes_file import load_strokes
 from paint3d.cli.batches.rows import command_parser
 from paint3d.cli.main import main
-from paint3d.cli.write import pen_of
+from paint3d.cli.write import settings_of
 from paint3d.errors import InputError
 from paint3d.recording.recording import load_recording
 from tests.support.photographs import Camera, hairs_below_a_stroke, photograph, sheet_of
@@ -80,8 +80,9 @@ def test_a_full_brush_paints_without_flying_white(photo: Path, tmp_path: Path) -
         pytest.param(["--corners", "0,0", "wide", "500,0", "500,500"], "'wide' is not a place",
                      marks=pytest.mark.long),
         (["--text", "十十十十十十"], "the text has 6 characters"),
-        (["--size", "9", "--resolution", "2"], "the vertices lie 2 mm apart"),
-        (["--brush", "gongbi", "--size", "300"], "larger brush"),
+        pytest.param(["--text", "十", "--size", "9", "--resolution", "2"],
+                     "the vertices lie 2 mm apart", marks=pytest.mark.long),
+        (["--text", "十", "--brush", "gongbi", "--size", "300"], "larger brush"),
         (["--beside", "a.xyz"], "unknown kind of file"),
         (["--save-strokes", "a.json"], "unknown kind of file"),
     ],
@@ -108,9 +109,10 @@ def test_what_is_large_is_copied_and_written_with_the_largest_brush(
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("paint3d.calligraphy.photo.copying.check_widths", check)
-    assert copy(photo, "--whole", "--on", "plane", "--size", 300, "--out", "a.ply") == 2
+    asked = "--text", "十", "--on", "plane", "--size", 300, "--out", "a.ply"
+    assert copy(photo, *asked) == 2
     words = ["一", "--on=plane", "--size=300", "--out=a.ply"]
-    written = pen_of(command_parser("write").parse_args(words)).brush
+    written = settings_of(command_parser("write").parse_args(words)).brush
     assert brushes == [written]
     assert written == load_brush(choose_brush(200.0))
 

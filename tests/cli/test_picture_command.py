@@ -58,7 +58,7 @@ def test_a_flat_picture_of_a_session_or_a_mesh(saved: Path, tmp_path: Path, name
     asked = () if size is None else ("--pixels", "x".join(map(str, size)))
     assert run(saved / name, "--out", out, "--view", "flat", *asked) == 0
     with Image.open(out) as image:
-        assert image.size == (size or (1600, 800))
+        assert image.size == (size or (2263, 1131))
         pixels = np.asarray(image)
     red = (pixels[..., 0] > 1.5 * pixels[..., 1].astype(float)).mean()
     assert 0.01 < red < 0.3  # cinnabar

@@ -229,7 +229,7 @@ def test_a_text_is_written_on_the_face_that_is_asked_for(side: str, axis) -> Non
     asked = asked_of("一", "--on=vase", "--size=20", f"--side={side}", "--processes=1")
     make, source = write.planner(asked)
     vase = SimpleNamespace(source=load_mesh("vase"))
-    written = write.plan(asked, vase, make, write.pen_of(asked), source, "always", {})
+    written = write.plan(asked, vase, make, write.settings_of(asked), source, "always", {})
     middle = written.placed[0].square.chart.frame.origin[:2]
     np.testing.assert_allclose(middle / np.linalg.norm(middle), axis, atol=0.05)
 

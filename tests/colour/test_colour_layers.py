@@ -110,6 +110,10 @@ def test_parts_of_the_palette_are_volume():
 
 
 def test_gloss_follows_the_paints_unless_told():
+    for water in (0.0, 3.0):
+        assert mix_pigments({"Vermillion": 1, "water": water}, by_volume=True)[2] == 1.0
+        half = mix_pigments({"Vermillion": 1, "cinnabar": 1, "water": water}, by_volume=True)
+        assert half[2] == pytest.approx(0.5)
     glossy = mixture_reflectance({"Vermillion": 1}, 1, WHITE)
     matt = mixture_reflectance({"Vermillion": 1}, 1, WHITE, saunderson=False)
     assert glossy.min() >= 0.03

@@ -8,7 +8,7 @@ import pytest
 from paint3d.colour.difference import delta_e, lab_from_linear_rgb
 from paint3d.colour.layers import SAUNDERSON, layer_reflectance, to_internal, to_measured
 from paint3d.colour.materials import load_material
-from paint3d.colour.pigments import Pigment, load_pigment, pigment_names
+from paint3d.colour.pigments import WATER, Pigment, load_pigment, pigment_names
 from paint3d.colour.spectra import linear_rgb_from_reflectance, srgb_from_linear
 from paint3d.colour.vertex_colours import ColourModel
 from paint3d.errors import InputError
@@ -20,6 +20,8 @@ MIXES = [
     ["pine soot", "cinnabar"],
     ["indigo", "gamboge", "carmine"],
     ["Vermillion", "ZincWhite", "PrussianBlue"],
+    ["pine soot", "Vermillion", "cinnabar"],
+    ["Vermillion", "pine soot", "water"],
     pigment_names()[2:10],
 ]
 
@@ -35,9 +37,11 @@ def random_paint(n_pigments, count=3001, seed=3):
 
 def twin(pigments, amounts, coverage):
     """Linear RGB (V, 3) by the formula, in doubles, 31 bands."""
-    gloss = SAUNDERSON if any(p.saunderson for p in pigments) else (0.0, 0.0)
     c = coverage.astype(float)[:, None]
     coats = np.divide(amounts, c, out=np.zeros(amounts.shape), where=c > 0)
+    glossy = coats @ np.array([float(p.saunderson) for p in pigments])
+    film = np.maximum(coats @ np.array([float(p is not WATER) for p in pigments]), 1e-12)
+    gloss = [loss * (glossy / film)[:, None] for loss in SAUNDERSON]
     k, s = (coats @ np.array([getattr(p, letter) for p in pigments]) for letter in "KS")
     ground = np.maximum(to_internal(BACKING, *gloss), 0)
     layer = to_measured(layer_reflectance(k, s, 1.0, ground), *gloss)
@@ -98,6 +102,23 @@ def test_mixtures_beyond_the_palette_take_all_bands():
             for path in ("live", "reference")
         )
         assert (live[1] == reference[1]).all()
+
+
+def test_a_glossy_paint_shines_where_it_lies_and_only_there():
+    """As after a dip in one: what was painted before, in soot, keeps its black."""
+    soot, glossy = load_pigment("pine soot"), load_pigment("Vermillion")
+    amounts, coverage = random_paint(1)
+    before, _ = colours(ColourModel([soot], BACKING), amounts, coverage)
+    both = np.column_stack([amounts, np.zeros_like(amounts)])
+    after, _ = colours(ColourModel([soot, glossy], BACKING), both, coverage)
+    assert np.abs(before.astype(int) - after).max() <= 1
+    alone, _ = colours(ColourModel([glossy], BACKING), amounts, coverage)
+    with_soot, _ = colours(ColourModel([soot, glossy], BACKING), both[:, ::-1].copy(), coverage)
+    assert np.abs(alone.astype(int) - with_soot).max() <= 1
+    steps = np.linspace(0, 1, 201, dtype=np.float32)[:, None]  # from all of one to all of the other
+    mixed = np.hstack([1 - steps, steps]).astype(np.float32)
+    _, linear = colours(ColourModel([soot, glossy], BACKING), mixed, np.ones(201, np.float32))
+    assert differences(linear[1:], linear[:-1]).max() < 2.0
 
 
 @pytest.mark.parametrize("path", ["live", "reference"])

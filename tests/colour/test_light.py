@@ -1,8 +1,8 @@
 """Paint in other lights, by other observers and on wider screens, against colour-science."""
 
+from importlib.util import find_spec
 from pathlib import Path
 
-import colour
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -22,11 +22,14 @@ from paint3d.errors import InputError, PigmentError, UnknownNameError
 GROUND = load_material("porcelain").reflectance
 FILMS = np.array([mixture_reflectance({p: 1.0}, 0.4, GROUND) for p in load_palette().values()])
 WHITE = np.ones((1, N_BANDS))
-RESOURCES = Path(colour.__file__).parent / "io" / "tests" / "resources"
+# colour-science is imported by what uses it: that takes a second, in each process that collects
+RESOURCES = Path(find_spec("colour").origin).parent / "io" / "tests" / "resources"
 
 
 def by_colour_science_xyz(spectra, illuminant, observer):
     """XYZ of white and of spectra, by somebody else's sums."""
+    import colour
+
     shape = colour.SpectralShape(360, 830, 1)
     seen = colour.MSDS_CMFS[OBSERVERS[observer]].copy().align(shape)
     light = colour.SDS_ILLUMINANTS[illuminant].copy()
@@ -41,6 +44,8 @@ def by_colour_science_xyz(spectra, illuminant, observer):
 
 def by_colour_science(spectra, illuminant, observer, transform):
     """Linear sRGB of spectra, by somebody else's sums, adaptation and matrix."""
+    import colour
+
     xyz = by_colour_science_xyz(spectra, illuminant, observer)
     if transform:
         display = colour.xy_to_XYZ((0.3127, 0.3290))
@@ -112,6 +117,8 @@ def test_wider_screens_hold_what_srgb_does_not():
 
 
 def test_a_light_from_a_file(tmp_path):
+    import colour
+
     power = find_illuminant("F11")
     rows = "\n".join(f"{nm:g}, {p:g}" for nm, p in zip(FINE_NM, power, strict=True))
     (tmp_path / "shop.spd").write_text(f"# measured\nnm, W\n{rows}\n")
@@ -167,6 +174,8 @@ def test_an_xml_bomb_is_no_spectrum(tmp_path):
 
 
 def test_metamerism_of_two_inks():
+    import colour
+
     azurite = mixture_reflectance({"azurite": 1.0}, 1.0, GROUND)
     other = mixture_reflectance({"indigo": 0.6, "lapis lazuli": 0.4}, 1.0, GROUND)
     rows = compare_spectra(azurite, other)
@@ -211,6 +220,8 @@ def test_the_command_compares_two_inks(capsys):
 
 
 def test_pigments_from_a_measured_masstone(tmp_path):
+    import colour
+
     masstone = mixture_reflectance({"azurite": 1.0}, 20.0, np.full(N_BANDS, 0.9))
     data = dict(zip(WAVELENGTHS, masstone, strict=True))
     path = tmp_path / "blue.spdx"
@@ -277,6 +288,8 @@ def test_options_that_would_do_nothing_are_refused(arguments, capsys):
 
 
 def test_a_temperature_is_the_black_bodys_of_colour_science():
+    import colour
+
     theirs = colour.sd_blackbody(2700.0, colour.SpectralShape(360, 830, 1)).values
     ours = find_illuminant("2700K")
     np.testing.assert_allclose(

@@ -22,7 +22,7 @@ from paint3d.core.ending import AskedToEnd, Ends, remove_unfinished
 from paint3d.core.machine import hold_new, this_machine
 from paint3d.errors import ExportError
 
-PATIENCE_S = 120.0
+PATIENCE_S = 300.0
 ROOT = Path(__file__).parents[2]
 WRITING = """
 import multiprocessing, os, subprocess, sys, time
@@ -53,7 +53,7 @@ async def work():
     with Ends():
         signal.raise_signal(signal.SIGUSR1)
         time.sleep(0.1)
-    await asyncio.wait_for(heard.wait(), 60.0)
+    await asyncio.wait_for(heard.wait(), 300.0)
     print("heard")
 
 asyncio.run(work())

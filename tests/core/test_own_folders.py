@@ -92,9 +92,12 @@ def test_kernels_are_kept_without_a_home(home: dict, temporary: Path, installed:
 
 
 def test_processes_that_are_started_say_nothing_again(temporary: Path, installed: Path) -> None:
-    start = f"subprocess.run([sys.executable, '-c', {KEPT!r}])"
+    where = (
+        "from paint3d.core.quaternion import compiled_turn; print(compiled_turn.stats.cache_path)"
+    )
+    start = f"subprocess.run([sys.executable, '-c', {where!r}])"
     done = run(f"import subprocess, sys, paint3d.core.quaternion; {start}", installed)
-    kept = Path(done.stdout.split()[0])
+    kept = Path(done.stdout.strip())
     assert kept.parent == temporary / f"paint3d-{os.geteuid()}" / "numba"
     assert done.stderr.count("\n") == 1
 

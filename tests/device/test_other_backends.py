@@ -210,7 +210,7 @@ class Service:
         """Say nothing until three messages in a row let go; more than these are on their way."""
         since = len(self.messages)
         while len(self.messages) < since + 3 or self.forces()[-3:].any():
-            self.messages.append(json.loads(socket.recv(timeout=60.0)))
+            self.messages.append(json.loads(socket.recv(timeout=300.0)))
         self.n_late = int(self.forces()[since:].any(axis=1).sum())
 
     def state(self, n: int) -> str:
@@ -238,7 +238,7 @@ def run_inverse3(loop: Loop, **more) -> Service:
     service = Service(**more)
     try:
         Inverse3Port(service.uri).run(loop)
-        until = time.monotonic() + 120.0
+        until = time.monotonic() + 300.0
         while not service.messages or service.forces()[-1].any():
             assert time.monotonic() < until, service.messages[-1:]
             time.sleep(0.01)

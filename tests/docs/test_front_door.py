@@ -56,6 +56,7 @@ def run(page: str, capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.timeout(1800)
+@pytest.mark.usefixtures("coarse", "small_pictures")
 def test_the_readme_runs_in_an_empty_folder(folder: Path, capsys, monkeypatch) -> None:
     assert len(lines("README.md")) > 6
     run("README.md", capsys)

@@ -35,7 +35,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.usefixtures("folder")
+@pytest.mark.usefixtures("folder", "coarse", "small_pictures")
 @pytest.mark.parametrize("code", BLOCKS)
 def test_a_block_of_the_guide_runs(code: str, monkeypatch: pytest.MonkeyPatch) -> None:
     compiled = compile(code, "guide", "exec")

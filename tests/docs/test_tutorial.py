@@ -49,6 +49,7 @@ def run(line: str) -> None:
         for one in sorted(TUTORIAL.glob("*.md"))
     ],
 )
+@pytest.mark.usefixtures("coarse", "small_pictures")
 def test_a_walk_runs_in_an_empty_folder(
     walk: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

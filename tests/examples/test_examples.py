@@ -27,6 +27,7 @@ LEAVES = {
 }
 
 
+@pytest.mark.usefixtures("coarse", "few_lights")
 @pytest.mark.parametrize("name", LEAVES)
 def test_an_example_runs(name, tmp_path, monkeypatch, capfd) -> None:
     monkeypatch.chdir(tmp_path)

@@ -18,6 +18,8 @@ from paint3d.files.export import EXPORT_SUFFIXES, check_export_path, export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.formats import gltf
 from paint3d.files.load import load_mesh
+from paint3d.mesh.sheet_mesh import make_sheet
+from paint3d.mesh.sheets import parse_sheet
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.full_disk import full_disk
 
@@ -249,15 +251,15 @@ def test_a_missing_or_locked_folder_is_an_export_error(tmp_path):
 
 
 def test_a_picture_is_asked_of_the_view(painted, tmp_path, monkeypatch):
-    from paint3d.view import picture
+    from paint3d.view import shot
 
     asked = []
 
-    def draw(vertices, faces, normals, srgb, *, gloss=None, edges=None):
+    def draw(vertices, faces, normals, srgb, *, gloss=None, **_):
         asked.append((len(vertices), len(faces), gloss))
         return np.full((12, 16, 3), 77, np.uint8)
 
-    monkeypatch.setattr(picture, "draw_picture", draw)
+    monkeypatch.setattr(shot, "draw_picture", draw)
     export(painted, tmp_path / "a.png")
     with Image.open(tmp_path / "a.png") as image:
         assert (image.size, image.getpixel((3, 3))) == ((16, 12), (77, 77, 77))
@@ -265,12 +267,28 @@ def test_a_picture_is_asked_of_the_view(painted, tmp_path, monkeypatch):
     assert 0.0 < asked[0][2].roughness < 1.0
 
 
+def test_a_picture_of_a_sheet_is_flat_and_of_its_shape(tmp_path, monkeypatch):
+    """A scroll stood as a narrow stripe in a picture of 1600 x 1200."""
+    from paint3d.view import shot
+
+    asked = []
+
+    def draw(vertices, faces, srgb, frame, size, *_):
+        asked.append(size)
+        return np.full((*size[::-1], 3), 77, np.uint8)
+
+    monkeypatch.setattr(shot, "draw_flat", draw)
+    sheet = PaintedSurface(make_sheet(parse_sheet("sheet:60x240")), 10.0, "xuan")
+    export(sheet, tmp_path / "a.png")
+    assert asked == [(800, 3200)]
+
+
 @pytest.mark.parametrize("suffix", EXPORT_SUFFIXES)
 def test_a_full_disk_is_told_of_the_file_that_was_asked_for(tmp_path, monkeypatch, suffix):
-    from paint3d.view import picture
+    from paint3d.view import shot
 
     noise = np.random.default_rng(1).integers(0, 256, (90, 90, 3)).astype(np.uint8)
-    monkeypatch.setattr(picture, "draw_picture", lambda *_, **__: noise)
+    monkeypatch.setattr(shot, "draw_picture", lambda *_, **__: noise)
     surface = PaintedSurface(load_mesh("sphere"), resolution=3.0)
     path = tmp_path / f"a{suffix}"
     with full_disk(5000), pytest.raises(ExportError) as caught:

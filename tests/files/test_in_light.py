@@ -3,7 +3,6 @@
 import io
 import logging
 
-import colour
 import numpy as np
 import pytest
 from PIL import Image, ImageCms
@@ -63,6 +62,8 @@ def test_the_spectra_of_a_surface_are_of_the_colours_that_it_shows(layered, own_
 
 
 def test_reflectance_is_an_object_of_colour_science():
+    import colour
+
     surface = painted()
     found = surface.reflectance([4, 7])
     assert isinstance(found, colour.MultiSpectralDistributions)

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 
 from paint3d.errors import MeshError
-from paint3d.files.load import read_mesh
+from paint3d.files.load import load_mesh, read_mesh
 from paint3d.files.reading import Wanted, read_surface
 
 POINTS = "property float x\nproperty float y\nproperty float z\n"
@@ -475,3 +475,13 @@ def test_a_word_of_the_header_that_is_misspelt_is_not(tmp_path, line):
     text = f"ply\nformat ascii 1.0\n{line}\nelement vertex 3\n{POINTS}end_header\n0 0 0\n"
     with pytest.raises(MeshError, match="the header has an unknown line"):
         read_surface(written(tmp_path, "a.ply", text))
+
+
+def test_a_million_blank_lines_of_an_stl_take_no_longer_than_any_others(tmp_path):
+    """Each was searched to the end of all that followed it."""
+    facet = "facet normal 0 0 1\n outer loop\n{}endloop\nendfacet\n".format(
+        "".join(f"vertex {x} {y} 0\n" for x, y in ((0, 0), (1, 0), (0, 1)))
+    )
+    path = tmp_path / "blank.stl"
+    path.write_text("solid a\n" + "\n" * 1_000_000 + facet + "endsolid a\n", encoding="utf-8")
+    assert len(load_mesh(path).faces) == 1

@@ -223,6 +223,17 @@ def test_filters_and_sequences_of_meshopt_are_undone() -> None:
     how = {"count": 2, "byteStride": 12, "mode": "ATTRIBUTES", "filter": "EXPONENTIAL"}
     got = np.frombuffer(unpack_meshopt(data, how), "<f4").reshape(2, 3)
     np.testing.assert_array_equal(got, mantissas / 16.0)
+    codes = np.array([[0, 0, 127, 5], [60, -40, 127, 0], [-100, 80, 127, -1]], np.int8)
+    data = packer.encode_vertex_buffer(codes.view("<f4"), 3, 4)
+    how = {"count": 3, "byteStride": 4, "mode": "ATTRIBUTES", "filter": "OCTAHEDRAL"}
+    got = np.frombuffer(unpack_meshopt(data, how), np.int8).reshape(3, 4)
+    np.testing.assert_array_equal(got[:, 3], codes[:, 3])
+    x, y = codes[:, 0] / 127.0, codes[:, 1] / 127.0
+    z = 1.0 - np.abs(x) - np.abs(y)
+    below = np.minimum(z, 0.0)
+    wanted = np.stack([x + np.sign(x) * below, y + np.sign(y) * below, z], axis=1)
+    wanted *= 127.0 / np.linalg.norm(wanted, axis=1)[:, None]
+    np.testing.assert_array_equal(got[:, :3], np.rint(wanted))
     order = np.array([4, 0, 4, 1, 2, 7], np.uint32)
     data = packer.encode_index_sequence(order, len(order), 8)
     how = {"count": len(order), "byteStride": 2, "mode": "INDICES"}

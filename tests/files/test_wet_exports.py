@@ -188,7 +188,7 @@ def test_ink_of_every_visible_layer_dulls_the_glaze():
     alone = surface.wet_look.hidden
     stack.add("2", 1)
     np.testing.assert_array_equal(surface.wet_look.hidden, alone)
-    stack.describe(0, visible=False)
+    stack.set_properties(0, visible=False)
     surface.touch(stack.painted_ids())
     assert surface.wet_look.hidden[there].max() == 0.0
 

@@ -109,23 +109,35 @@ def test_sized_paper_keeps_ink_where_it_was_laid() -> None:
     assert everything(surface)[away > 3.0 + 0.5].max() < 1e-3
 
 
-def test_water_that_meets_a_damp_wash_leaves_a_dark_edge() -> None:
-    """A backrun: pale within, darker than the wash at its border, and unlike without the water."""
+def watered(material, soot: float, wash: float, waits: tuple[float, float]) -> NDArray[np.float64]:
+    """Rings of a wash (coats of soot, of water), without and with water dropped in its middle."""
     found = []
-    for water in (0.0, 5.0):
-        surface = PaintedSurface(grid(22.0, 0.4), None, STILL)
-        drop(surface, 0.3, 8.0)
-        drop(surface, 0.7, 8.0, ink="water")
-        surface.diffuse(30.0)
+    for water in (0.0, 6.0):
+        surface = PaintedSurface(grid(24.0, 0.4), None, material)
+        drop(surface, soot, 9.0)
+        drop(surface, wash, 9.0, ink="water").diffuse(waits[0])
         if water:
             drop(surface, water, 2.0, ink="water")
-        surface.diffuse(20.0)
+        surface.diffuse(waits[1])
         found.append(rings(surface)[:14])
-    still, run = found
+    return np.array(found)
+
+
+def test_water_that_meets_a_damp_wash_leaves_a_dark_edge() -> None:
+    """A backrun: pale within, darker than the wash at its border, and unlike without the water."""
+    still, run = watered(STILL, 0.3, 0.7, (30.0, 20.0))
     edge = int(run.argmax())
-    assert run[0] < 0.4 * still[0]
-    assert run[edge] > 1.3 * still[edge]
+    assert run[0] < 0.45 * still[0]
+    assert run[edge] > 1.14 * still[edge]
     assert 4 < edge < 14
+
+
+def test_water_dropped_into_a_wet_wash_leaves_a_cloud_not_a_disc() -> None:
+    """It gets paler to its middle little by little, and some of the wash stays there."""
+    still, run = watered("xuan", 0.16, 1.6, (4.0, 60.0))
+    paler = run / still
+    assert 0.1 < paler[0] < 0.5
+    assert np.diff(paler).max() < 0.2 * (paler.max() - paler[0])  # .34 where films lift all
 
 
 @pytest.mark.parametrize("known", [False, True])
@@ -196,7 +208,7 @@ def test_halo_and_rim_do_not_depend_on_the_triangles() -> None:
         surface.diffuse(20.0)
         inner = rings(surface)
         found.append((*radii(surface), inner.max() / inner[:3].mean()))
-    np.testing.assert_allclose(found[0][:2], found[1][:2], rtol=0.03)
+    np.testing.assert_allclose(found[0][:2], found[1][:2], rtol=0.035)
     assert found[0][2] == pytest.approx(found[1][2], rel=0.12)  # finer, and so sharper
 
 
@@ -353,14 +365,19 @@ def test_grains_as_wide_as_the_pores_of_clay_pass_those_of_paper(material, least
 
 
 def around(surface: PaintedSurface) -> tuple[NDArray, NDArray, NDArray]:
-    """Nodes' ink (N,), what share of the ways around each leads to ink, and the mean there."""
+    """Nodes' ink (N,), the fraction of links from each to inked nodes, and the mean ink there.
+
+    A node of which less than half is wet is none: the front as it is drawn runs inside of it.
+    """
     graph = surface.flow_graph
     n, links = graph.n_nodes, slice(graph.n_links)
-    first = np.searchsorted(graph.node_of[: graph.n_places], np.arange(n))
-    ink = everything(surface)[graph.vertices[first]]
-    owner, there, weights = graph.owner[links], ink[graph.links[links]], graph.weights[links]
+    first = graph.vertices[np.searchsorted(graph.node_of[: graph.n_places], np.arange(n))]
+    ink, within = everything(surface)[first], surface.share_painted()[first] >= 0.5
+    there = graph.links[links]
+    owner, inked, there = graph.owner[links], within[there] & (ink[there] > 1e-3), ink[there]
+    weights = graph.weights[links]
     total = np.maximum(np.bincount(owner, weights, n), 1e-12)
-    share = np.bincount(owner, weights * (there > 1e-3), n) / total
+    share = np.bincount(owner, weights * inked, n) / total
     return ink, share, np.bincount(owner, weights * there, n) / total
 
 
@@ -374,6 +391,39 @@ def test_hardly_a_place_at_the_rim_stays_bare_alone() -> None:
         ink, share, _ = around(surface)
         bare += np.count_nonzero((ink < 1e-5) & (share > 0.7))
     assert bare <= 2
+
+
+@pytest.mark.parametrize("material", ["xuan", "bisque"])
+def test_beside_what_is_full_nothing_is_bare_but_filled_in_part(material: str) -> None:
+    """So the border of what has spread lies between vertices, and not along the mesh."""
+    surface = PaintedSurface(grid(24.0, 0.4), None, material)
+    drop(drop(surface, 0.3, 3.0), 2.6, 3.0, ink="water").diffuse(20.0)
+    graph, kept = surface.flow_graph, surface.flow.keep()
+    filled = np.zeros(surface.n_vertices)
+    filled[kept["vertices"]] = kept["soaked"]
+    first = np.searchsorted(graph.node_of[: graph.n_places], np.arange(graph.n_nodes))
+    filled, links = filled[graph.vertices[first]], slice(graph.n_links)
+    here, there = filled[graph.owner[links]], filled[graph.links[links]]
+    beyond = there[(here >= 1.0) & (there < 1.0)]
+    assert len(beyond) > 50
+    assert np.mean(beyond == 0.0) < 0.02  # .38 and .16 where a cell's pores fill all at once
+
+
+def test_cells_of_two_sizes_beside_each_other_do_not_show_in_a_wash() -> None:
+    """Where vertices alternate between four and eight neighbours, no lattice is seen."""
+    surface = PaintedSurface(grid(24.0, 4.0), 0.65, "xuan")
+    surface.refine_all()
+    drop(drop(surface, 0.12, 9.0), 1.2, 9.0, ink="water").diffuse(12.0)
+    drop(surface, 6.0, 2.0, ink="water").diffuse(10.0)
+    ink, _, mean = around(surface)
+    graph = surface.flow_graph
+    n = graph.n_nodes
+    inside = np.linalg.norm(graph.points[:n, :2], axis=1) < 8.0
+    links = graph.last[:n] - graph.first[:n]
+    assert set(links[inside]) == {4, 8}
+    for count in (4, 8):
+        some = inside & (links == count)
+        assert abs(np.mean(ink[some] / mean[some]) - 1.0) < 0.006
 
 
 def test_water_from_all_sides_gets_into_a_spot_of_glue() -> None:

@@ -29,8 +29,8 @@ from paint3d.brush_engine.tuft import (
 )
 from paint3d.calligraphy.centre_line import centre_line, outline_field
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
-from paint3d.calligraphy.path_fit import PathFitter
-from paint3d.calligraphy.planning import PlanSettings, plan_stroke
+from paint3d.calligraphy.path_fit import PathFitter, PlanSettings
+from paint3d.calligraphy.planning import plan_stroke
 from paint3d.errors import BrushError
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
@@ -491,8 +491,8 @@ def led_dragged(bend: float) -> tuple[float, float]:
     field = outline_field(outline, em / 512)
     plan = PathFitter(field, footprints(), dragged, em, None)
     first = plan.follow(centre_line(median, field, dragged.sample_step * em))
-    courses = first.course, plan.finished(first).course
-    first_share, last = (overlap(course, footprints(), outline, 0.1) for course in courses)
+    paths = first.path, plan.refine_dragged(first).path
+    first_share, last = (overlap(path, footprints(), outline, 0.1) for path in paths)
     return first_share, last
 
 

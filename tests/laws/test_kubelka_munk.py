@@ -148,7 +148,7 @@ def test_a_mixture_of_one_paint_is_the_paint(paint, mass):
     k, s, glossy = mix_pigments({paint: mass})
     np.testing.assert_allclose(k, paint.K, rtol=1e-12)
     np.testing.assert_allclose(s, paint.S, rtol=1e-12)
-    assert glossy
+    assert glossy == pytest.approx(1.0)
 
 
 @laws

@@ -80,9 +80,9 @@ class Browser:
         return answer["result"].get("value")
 
     def wait_for(self, script: str) -> None:
-        """Wait until an expression is true."""
+        """Wait until an expression, which may `await`, is true."""
         until = time.monotonic() + _WAIT_S
-        while not self.evaluate(f"Boolean({script})"):
+        while not self.evaluate(f"(async () => Boolean({script}))()"):
             assert time.monotonic() < until, f"{script}: {self.complaints()}"
             time.sleep(0.05)
 
@@ -120,7 +120,9 @@ class Browser:
             if "id" not in answer:
                 self.heard.append(answer)
 
-    def stroke(self, way: list[tuple[float, float, float]], **words: Any) -> None:
+    def stroke(
+        self, way: list[tuple[float, float, float]], *, lifts: bool = True, **words: Any
+    ) -> None:
         """Let a pen press, go along places (x, y) with forces, and be lifted."""
         pointer = {"pointerType": "pen", "button": "left", "buttons": 1, "clickCount": 1} | words
         kinds = ["mousePressed", *["mouseMoved"] * (len(way) - 1)]
@@ -129,7 +131,7 @@ class Browser:
             for kind, (x, y, force) in zip(kinds, way, strict=True)
         ]
         lifted = {**asked[-1][1], "type": "mouseReleased", "force": 0.0, "buttons": 0}
-        self.call_all([*asked, ("Input.dispatchMouseEvent", lifted)])
+        self.call_all([*asked, *([("Input.dispatchMouseEvent", lifted)] if lifts else [])])
 
 
 @contextmanager

@@ -11,7 +11,7 @@ import shapely
 from shapely import MultiPolygon
 
 from paint3d.brush.presets import choose_brush, load_brush
-from paint3d.calligraphy.flying_white import inked_as
+from paint3d.calligraphy.flying_white import with_ink
 from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.page.page import Page
@@ -24,7 +24,7 @@ from paint3d.calligraphy.photo.likeness import (
 )
 from paint3d.calligraphy.photo.rehearsal import rehearsed
 from paint3d.calligraphy.shapes.decompose import decompose
-from paint3d.calligraphy.writing import Pen, Written, write_page
+from paint3d.calligraphy.writing import WritingSettings, Written, write_page
 from paint3d.colour.materials import load_material
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import Paint3DError
@@ -192,13 +192,13 @@ def painted_copy(
     made_of = load_material(material)
 
     def paint(plan: Written) -> PaintedSurface:
-        recording = inked_as(plan.recording, plan.dryness, plan.strength, made_of)
+        recording = with_ink(plan.recording, plan.dryness, plan.strength, made_of)
         surface = PaintedSurface(mesh, resolution_mm, material=made_of)
         Painter(surface, brush, amount=recorded_amount(recording.header)).replay(recording)
         surface.refresh()
         return surface
 
-    plan = write_page(mesh, page, Pen(brush, _EM_MM))
+    plan = write_page(mesh, page, WritingSettings(brush, _EM_MM))
     written = rehearsed(plan, paint, made_of, trials, replace(sheet, page=page))
     assert written.page is not None
     placed = list(zip(written.page.pieces, written.placed, strict=True))

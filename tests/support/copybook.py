@@ -28,9 +28,10 @@ from paint3d.calligraphy.metrics import (
     copybook_mask,
     painted_mask,
 )
-from paint3d.calligraphy.planning import PlanSettings, on_paper, plan_glyph
+from paint3d.calligraphy.path_fit import PlanSettings
+from paint3d.calligraphy.planning import on_paper, plan_glyph
 from paint3d.calligraphy.shapes.decompose import decompose
-from paint3d.calligraphy.timing import Motion, Tempo, time_courses
+from paint3d.calligraphy.timing import Motion, Tempo, time_paths
 from paint3d.colour.spectra import RGB_FROM_XYZ, decode_srgb
 from paint3d.device.recorded import Recording
 from paint3d.files.load import load_mesh
@@ -137,9 +138,9 @@ def copy_character(desk: Desk, text: str) -> Copy:
     tuft = build_tuft(load_brush(desk.brush_name))
     footprints = tabulate_footprints(tuft, _WIDEST * desk.em_mm)
     started = time.process_time()
-    courses = plan_glyph(glyph, desk.em_mm, footprints, desk.settings)
+    paths = plan_glyph(glyph, desk.em_mm, footprints, desk.settings)
     tempo = Tempo().slower(root_stretch(square.points, square.normals, tuft))
-    motion = time_courses([courses], desk.em_mm, tempo)
+    motion = time_paths([paths], desk.em_mm, tempo)
     seconds = time.process_time() - started
     recording = _recorded(motion, to_hand_motion(motion, chart, desk.em_mm, tuft), desk)
     surface = PaintedSurface(mesh, desk.resolution_mm)

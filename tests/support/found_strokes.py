@@ -12,8 +12,7 @@ from scipy.stats import kendalltau
 from shapely import MultiPolygon, Polygon
 
 from paint3d.calligraphy.glyphs import GlyphStroke
-from paint3d.calligraphy.shapes.continuation import resampled
-from paint3d.calligraphy.shapes.skeleton import length_of
+from paint3d.calligraphy.polyline import line_length, resample
 from paint3d.core.arrays import AnyArray
 
 __all__ = ["AsListed", "Found", "as_listed", "joined", "region_of", "score"]
@@ -146,7 +145,7 @@ def _paired(
 def _dots(table: Sequence[GlyphStroke]) -> set[int]:
     """Which strokes of a letter are dots."""
     side = float(np.ptp(np.concatenate([one.median for one in table]), axis=0).max())
-    return {k for k, one in enumerate(table) if length_of(one.median) < _LISTED_DOT * side}
+    return {k for k, one in enumerate(table) if line_length(one.median) < _LISTED_DOT * side}
 
 
 def _in_unit_box(lines: Sequence[AnyArray]) -> list[np.ndarray]:
@@ -158,11 +157,11 @@ def _in_unit_box(lines: Sequence[AnyArray]) -> list[np.ndarray]:
 
 
 def _evenly(line: AnyArray) -> np.ndarray:
-    return resampled(line, max(length_of(line), 1e-9) / (_POINTS - 1), _POINTS)[:_POINTS]
+    return resample(line, max(line_length(line), 1e-9) / (_POINTS - 1), _POINTS)[:_POINTS]
 
 
 def _same_course(line: AnyArray, other: AnyArray) -> bool:
-    if length_of(line) < _DOT:
+    if line_length(line) < _DOT:
         return True
     if _is_ring(line) and _is_ring(other):
         return _turn(line) * _turn(other) > 0.0
@@ -188,7 +187,7 @@ def _apart(one: AnyArray, two: AnyArray) -> float:
 
 
 def _is_ring(line: AnyArray) -> bool:
-    return bool(np.linalg.norm(line[-1] - line[0]) < _CLOSED * length_of(line))
+    return bool(np.linalg.norm(line[-1] - line[0]) < _CLOSED * line_length(line))
 
 
 def _turn(line: AnyArray) -> float:

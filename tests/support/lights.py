@@ -34,7 +34,7 @@ def few_lights() -> Iterator[None]:
 @pytest.fixture
 def small_pictures(few_lights: None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Draw what is exported as a picture small, and by few lights."""
-    from paint3d.view import picture
+    from paint3d.view import shot
 
-    draw = picture.draw_picture
-    monkeypatch.setattr(picture, "draw_picture", lambda *a, **b: draw(*a, **{**b, "size": _SMALL}))
+    draw = shot.draw_picture
+    monkeypatch.setattr(shot, "draw_picture", lambda *a, **b: draw(*a, **{**b, "size": _SMALL}))

@@ -22,9 +22,10 @@ from paint3d.calligraphy.metrics import PIXELS, Likeness, compare, copybook_mask
 from paint3d.calligraphy.page.laying import lay_page
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.calligraphy.page.svg_drawing import load_svg
-from paint3d.calligraphy.planning import PlanSettings, on_paper
+from paint3d.calligraphy.path_fit import PlanSettings
+from paint3d.calligraphy.planning import on_paper
 from paint3d.calligraphy.shapes.ductus import known_strokes
-from paint3d.calligraphy.writing import Pen, write_page
+from paint3d.calligraphy.writing import WritingSettings, write_page
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
@@ -194,10 +195,10 @@ def copy_piece(desk: PageDesk, glyph: Glyph) -> PieceCopy:
         If it cannot be written there.
     """
     mesh = load_mesh(desk.on)
-    pen = Pen(load_brush(desk.brush_name), desk.em_mm, desk.settings)
+    settings = WritingSettings(load_brush(desk.brush_name), desk.em_mm, desk.settings)
     page = Page((Piece(glyph, (0.0, 0.0)),), glyph.text, "")
     started = time.process_time()
-    written = write_page(mesh, page, pen)
+    written = write_page(mesh, page, settings)
     seconds = time.process_time() - started
     surface = PaintedSurface(mesh, desk.resolution_mm)
     Painter(surface, desk.brush_name, azimuth=desk.settings.azimuth).replay(written.recording)

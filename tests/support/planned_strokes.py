@@ -20,13 +20,13 @@ def band(angle, length, width, bend=0.0):
     return np.concatenate([median + half * normal, (median - half * normal)[::-1]]), median
 
 
-def boundary(course, steps, i):
+def boundary(path, steps, i):
     """Boundary points (B, 2) of the footprint of pose i on paper."""
-    k = min(int(course.level[i]), len(steps.points) - 2)
-    t = course.level[i] - k
+    k = min(int(path.level[i]), len(steps.points) - 2)
+    t = path.level[i] - k
     shape = (1 - t) * steps.points[k] + t * steps.points[k + 1]
-    c, s = math.cos(course.azimuth[i]), math.sin(course.azimuth[i])
-    return course.centre[i] + shape @ np.array([[c, s], [-s, c]])
+    c, s = math.cos(path.azimuth[i]), math.sin(path.azimuth[i])
+    return path.centre[i] + shape @ np.array([[c, s], [-s, c]])
 
 
 def signed_distance(polygon, points):
@@ -41,15 +41,15 @@ def signed_distance(polygon, points):
     return np.where(np.abs(winding) > math.pi, distance, -distance)
 
 
-def overlap(course, steps, outline, pixel=EM / 512):
-    """Intersection over union of what a course paints and its outline, in pixels of so many mm."""
+def overlap(path, steps, outline, pixel=EM / 512):
+    """Intersection over union of what a path paints and its outline, in pixels of so many mm."""
     x, y = outline.min(axis=0) - 0.25 * EM
     columns, rows = np.ceil((np.ptp(outline, axis=0) + 0.5 * EM) / pixel).astype(int)
     field = np.empty((rows, columns))
     kernels.signed_distances(outline, x, y, pixel, field)
     painted = np.zeros(field.shape, np.bool_)
     kernels.cover(
-        steps.points, course.level, course.centre, course.azimuth, course.share,
+        steps.points, path.level, path.centre, path.azimuth, path.share,
         np.array([x, y, pixel]), painted,
     )  # fmt: skip
     wanted = field > 0.0

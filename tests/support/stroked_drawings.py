@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.page.page import Page
 from paint3d.calligraphy.page.svg_drawing import load_svg
-from paint3d.calligraphy.shapes.skeleton import length_of
+from paint3d.calligraphy.polyline import line_length
 from paint3d.core.arrays import AnyArray
 
 __all__ = ["Drawing", "Read", "draw_strokes", "drawings_table", "lines_of", "read_drawing"]
@@ -387,15 +387,16 @@ def _off(line: AnyArray, true: AnyArray) -> tuple[float, float]:
 
     What closes is led over its beginning, and counts as far as the true one goes.
     """
-    if length_of(true) == 0.0:
+    if line_length(true) == 0.0:
         away = float(np.linalg.norm(line.mean(axis=0) - true[0]))
         return away, away
-    wanted = _evenly(true, length_of(true))
+    wanted = _evenly(true, line_length(true))
     ways = [line, line[::-1]]
     if np.array_equal(true[0], true[-1]):
         ways = [ways[0], line[: _closes(line)][::-1]]
     both = [
-        float(np.linalg.norm(_evenly(way, length_of(true)) - wanted, axis=1).max()) for way in ways
+        float(np.linalg.norm(_evenly(way, line_length(true)) - wanted, axis=1).max())
+        for way in ways
     ]
     return both[0], both[1]
 

@@ -8,6 +8,7 @@ import json
 import os
 import shutil
 import subprocess
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +24,7 @@ __all__ = ["built_page", "decoded_bundle", "hashes_of", "replay_script", "why_no
 WEB = Path(__file__).parents[2] / "web"
 
 
+@cache
 def why_no_kernels(folder: Path) -> str:
     """Why a page cannot be painted in; "" where its kernels are those of the sources."""
     if not (folder / "index.json").is_file():

@@ -357,7 +357,7 @@ def test_no_new_extremes_at_any_step(step):
         np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
     )  # fmt: skip
     nodes = np.arange(n, dtype=np.int32)
-    given = (fields, nodes, nodes[:0], Absorption(0.06, 10.0, 1.0), step, np.ones(1))
+    given = (fields, nodes, nodes[:0], Absorption(0.06, 10.0, 1.0, 0.06, 1.0), step, np.ones(1))
     before = water.copy()
     for little in (
         Workspace(ROOM.floats[:500], ROOM.ints),
@@ -374,6 +374,36 @@ def test_no_new_extremes_at_any_step(step):
     concentration = pigment[wet, 0] / water[wet]
     assert concentration.min() > 0.2 - 1e-9
     assert concentration.max() < 0.7 + 1e-9
+
+
+@pytest.mark.parametrize("flows_in", [True, False])
+def test_no_node_gives_more_than_it_has_to_many_neighbours(flows_in):
+    """As in the middle of a cylinder's cap, whose triangles all share one vertex."""
+    sides = 64
+    n = sides + 1
+    runs = np.concatenate([[0], np.arange(sides, 2 * sides + 1)]).astype(np.int64)
+    links = np.concatenate([np.arange(1, n), np.zeros(sides)]).astype(np.int32)
+    area = np.full(n, 0.01)
+    water = np.full(n, 0.055 if flows_in else 0.02)
+    water[0] = 0.02 if flows_in else 0.1
+    pigment = np.zeros((n, 1))
+    pigment[0] = 1.0
+    before, strength = pigment.copy(), np.full(n, 0.06 * 10.0 * 0.8 / 3)
+    fields = WetFields(
+        runs[:-1], runs[1:], links, np.ones(2 * sides), area, np.zeros(n, np.int32),
+        np.zeros(n, np.uint8), np.zeros(n, np.int32), np.full(n, 0.2), strength, np.zeros(n),
+        np.full(n, 0.3), np.full(n, 0.02), np.zeros(n), water,
+        pigment, 0.5 * pigment, 0.5 * pigment, np.ones(1), np.ones(1),
+        np.ones(n, np.float32), np.zeros(n, bool), np.array([0.01], np.float32),
+        np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
+    )  # fmt: skip
+    nodes = np.arange(n, dtype=np.int32)
+    absorbs = Absorption(0.06, 10.0, 1.0, 0.06, 1.0)
+    assert move_water(fields, nodes, nodes[:0], absorbs, 0.01, np.ones(1), ROOM) > 0
+    assert (pigment[1:] > 0.0).all()
+    for part in (pigment, fields.fine, fields.loose):
+        assert part.min() >= 0.0
+    assert pigment[:, 0] @ area == pytest.approx(before[:, 0] @ area, rel=1e-12)
 
 
 def test_memory_to_work_in_grows_as_it_must_and_is_given_back(monkeypatch):
@@ -409,7 +439,15 @@ def test_work_grows_with_the_root_of_the_time():
             np.zeros(n, bool),
             np.array([step], np.float32), np.ones(1, bool), np.zeros(1, bool), np.zeros((1, 3)),
         )  # fmt: skip
-        given = (fields, nodes, nodes[:0], Absorption(0.06, 10.0, 0.8), step, np.zeros(1), ROOM)
+        given = (
+            fields,
+            nodes,
+            nodes[:0],
+            Absorption(0.06, 10.0, 0.8, 0.06, 1.0),
+            step,
+            np.zeros(1),
+            ROOM,
+        )
         stages.append(move_water(*given))
         assert 0.05 - 1e-12 <= water.min() <= water.max() <= 0.055 + 1e-12
     assert stages[1] == pytest.approx(10 * stages[0], rel=0.25)
@@ -496,7 +534,8 @@ def test_spreading_ends_and_does_not_depend_on_how_time_is_cut(cuts, seconds, be
     assert ink == pytest.approx(expected[2], rel=1e-6)
     hurried = beside and most_nodes < 1000  # a fifth of it: steps get longer
     assert radius == pytest.approx(expected[1], rel=0.05 if hurried else 0.01)
-    assert area == pytest.approx(expected[0], rel=0.05 if hurried else 0.02)
+    # what a long step exchanges is bounded, so soot's thin border depends on them a little
+    assert area == pytest.approx(expected[0], rel=0.05 if beside else 0.02)
     assert surface.flow.steps < 100 * seconds + 400
 
 
@@ -776,4 +815,4 @@ def test_ink_feathers_in_fine_points_along_fibres(monkeypatch):
     feathered = outline_turns()
     for name in ("_FIBRES_OF_WAYS", "_FIBRES_OF_SIEVE", "_FIBRES_OF_CATCH"):
         monkeypatch.setattr(pores, name, 0.0)
-    assert feathered > 1.8 * outline_turns()
+    assert feathered > 1.5 * outline_turns()

@@ -632,6 +632,16 @@ def test_paint_is_seen_in_it(shown: LiveObject) -> None:
     assert np.array_equal(found.colours[found.points[:, 0] < 35.0], before[found.points[:, 0] < 35])
 
 
+def test_it_waits_until_what_was_added_is_followed() -> None:
+    """Painting goes on between two looks; the sheen of new vertices is not known before."""
+    shown = LiveObject(PaintedSurface(paint3d.load_mesh("bowl"), 2.0))
+    shown.uploads(NONE)
+    shown.surface.refine_all()
+    assert shown.coarse_for(0.5, 4000) is None
+    shown.uploads(shown.surface.refresh())
+    assert shown.coarse_for(0.5, 4000) is not None
+
+
 def test_it_is_made_again_only_where_it_no_longer_fits(shown: LiveObject) -> None:
     first = shown.coarse_for(0.5, 4000)
     assert first is not None

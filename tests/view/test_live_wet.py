@@ -136,18 +136,18 @@ def test_ink_shines_on_every_visible_layer_and_water_on_the_one_painted_on():
 
     assert shine()[1] > 0.9
     for visible in (False, True):
-        stack.describe(0, visible=visible)
+        stack.set_properties(0, visible=visible)
         surface.touch(stack.painted_ids())
         assert (shine()[1] > 0.9) == visible
     surface.dry()
     assert 0.3 < shine()[1] < 0.45
     stack.add("2", 1)
     assert 0.3 < shine()[1] < 0.45
-    stack.describe(0, visible=False)  # nothing is touched: what is seen is followed all the same
+    stack.set_properties(0, visible=False)  # nothing is touched: what is seen is followed
     sent, smooth = shine()
     assert smooth == 0.0
     assert sent
-    stack.describe(0, visible=True)
+    stack.set_properties(0, visible=True)
     assert 0.3 < shine()[1] < 0.45
 
 

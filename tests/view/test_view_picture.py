@@ -412,10 +412,10 @@ def test_right_and_left_are_where_they_are_from_in_front() -> None:
 @needs_opengl
 def test_a_flat_picture_is_the_sheet_from_border_to_border() -> None:
     pixels = take_shot(drawn_sheet(80.0, 40.0), Shot("flat"))
-    assert pixels.shape == (800, 1600, 3)
-    assert tuple(pixels[600, 400]) == (200, 20, 20)
-    assert tuple(pixels[600, 1200]) == (255, 255, 255)
-    assert tuple(pixels[4, 800]) == (20, 20, 200)
+    assert pixels.shape == (1131, 2263, 3)  # as many as a square of 1600
+    assert tuple(pixels[848, 566]) == (200, 20, 20)
+    assert tuple(pixels[848, 1697]) == (255, 255, 255)
+    assert tuple(pixels[5, 1131]) == (20, 20, 200)
     shaped = take_shot(drawn_sheet(80.0, 40.0), Shot("flat", (40, 40), transparent=True))
     assert shaped.shape == (40, 40, 4)
     assert (shaped[:9, :, 3] == 0).all()  # what is wanted wider than the sheet is empty

@@ -7,7 +7,8 @@ import { Brush, type BrushWords } from "./brush/brush";
 import type { Sizes } from "./brush_engine/scratch";
 import type { Material, Pigment } from "./colour/materials";
 import type { Backing, ColourTables } from "./colour/vertex_colours";
-import type { ObjectWords } from "./mesh/refined_mesh";
+import type { Preparing } from "./mesh/base_surface";
+import { PaintMesh, readTree, type ObjectWords } from "./mesh/refined_mesh";
 import type { Ink } from "./painter/painter";
 import { PaintedSurface } from "./surface/painted_surface";
 
@@ -29,8 +30,9 @@ export interface Ground {
   backing: Backing;
 }
 
-interface StudioWords {
+export interface StudioWords {
   sizes: Sizes;
+  preparing: Preparing;
   saunderson: [number, number];
   pigments: Omit<Pigment, "K" | "S">[];
 }
@@ -57,13 +59,14 @@ export class Studio {
   readonly colourTables: ColourTables;
   readonly sizes: Sizes;
   readonly fibreFrames: Float64Array;
+  readonly decodedCodes: Float32Array; // linear light of every sRGB code
   readonly #pigments: Map<string, Pigment>;
   readonly #brushes = new Map<string, Promise<Brush>>();
 
   private constructor(
     readonly kernels: Kernels,
     readonly contents: Contents,
-    private readonly fetch: Fetch,
+    readonly fetch: Fetch,
     common: Bundle<StudioWords>,
   ) {
     this.sizes = common.words.sizes;
@@ -79,6 +82,7 @@ export class Studio {
       primaries: common.numbers("srgb_primaries", "f4"),
     };
     this.fibreFrames = common.numbers("fibre_frames", "f8");
+    this.decodedCodes = common.numbers("decoded_codes", "f4");
     this.#pigments = new Map(
       common.words.pigments.map((words) => [
         words.name,
@@ -138,23 +142,26 @@ export class Studio {
     );
   }
 
-  /** A fresh object to paint on, and what ClosestPoints needs of it. */
-  async surface(
-    name: string, resolution: number, materialName?: string,
-  ): Promise<{ surface: PaintedSurface; object: Bundle<ObjectWords> }> {
+  /** A fresh object of the folder to paint on. */
+  async surface(name: string, resolution: number, material?: string): Promise<PaintedSurface> {
     const found = this.contents.objects.find((o) => o.name === name && o.resolution === resolution);
     if (found === undefined)
       throw new UnknownNameError(
         "object", `${name} at ${resolution} mm`,
         this.contents.objects.map((o) => `${o.name} at ${o.resolution} mm`),
       ); // prettier-ignore
-    const material = named(this.contents.materials, "material", materialName ?? found.material);
-    const [object, tables] = await Promise.all([
-      this.fetch(found.file).then((bytes) => Bundle.read<ObjectWords>(bytes, found.file)),
-      this.fetch(material.file).then((bytes) => Bundle.read<Material>(bytes, material.file)),
-    ]);
-    const surface = new PaintedSurface(this.kernels, this, object, groundOf(tables));
-    return { surface, object };
+    const object = await this.fetch(found.file).then((bytes) => Bundle.read<ObjectWords>(bytes, found.file));
+    return this.surfaceOf(object, material ?? found.material);
+  }
+
+  /** A fresh object to paint on, whoever prepared it. */
+  async surfaceOf(object: Bundle<ObjectWords>, materialName: string): Promise<PaintedSurface> {
+    const material = named(this.contents.materials, "material", materialName);
+    const bytes = await this.fetch(material.file);
+    const tables = await Bundle.read<Material>(bytes, material.file);
+    const mesh = new PaintMesh(this.kernels, object);
+    const tree = readTree(this.kernels, object, "contact");
+    return new PaintedSurface(this.kernels, this, object, groundOf(tables), mesh, tree);
   }
 }
 
@@ -166,8 +173,6 @@ function groundOf(tables: Bundle<Material & { bends?: Record<string, number> }>)
     backing: {
       reflectance: tables.numbers("reflectance", "f4"),
       bareLinearRgb: tables.numbers("bare_linear_rgb", "f4"),
-      ground: tables.numbers("ground", "f8"),
-      glossyGround: tables.numbers("glossy_ground", "f8"),
       tables: Object.fromEntries(
         Object.entries(bends).map(([name, bend]) => [
           name,

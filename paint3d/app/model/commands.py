@@ -317,6 +317,7 @@ _TABLE: tuple[_Row, ...] = (
         Command("roll_right", "Roll clockwise", ["Ctrl+]", "Num+*"]),
         Command("upright", "Hold upright", ["Shift+Home", "Num+0"]),
         _PART,
+        Command("choose_light", "Light…"),
         Command("next_light", "Another light", ["Shift+J"]),
         _PART,
         Command("keep_view", "Keep this view…", ["Ctrl+Shift+B"]),

@@ -22,7 +22,7 @@ from paint3d.app.model.stroke_log import ERASES, Stroke
 from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, set_whole, with_fallback
 from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
-from paint3d.calligraphy.layout import Layout, PlacedCharacter, layout_text
+from paint3d.calligraphy.layout import LEAST_EM_MM, MOST_EM_MM, Layout, PlacedCharacter, layout_text
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.opening import set_in
@@ -42,7 +42,6 @@ _REACH = 0.15  # ems that a chart goes beyond the em square, for what strays
 _NODES_PER_EM = 24.0
 _STEP = 1.0 / 96.0  # ems between two points of a ghost
 _LIFT_MM = 0.05  # above the surface, so that a ghost is seen
-_LEAST_EM_MM, _MOST_EM_MM = 2.0, 1000.0
 _BLANK = "口"  # stands where nothing is said
 _LIFTED_S = 0.06  # from one stroke of a recording to the next, at least
 _LOOKED_AT = 24  # points of a stroke, at most
@@ -289,7 +288,7 @@ class Copybook:
         *,
         is_grid: bool = False,
     ) -> None:
-        em_mm = as_number(em_mm, "size (mm)", _LEAST_EM_MM, _MOST_EM_MM)
+        em_mm = as_number(em_mm, "size (mm)", LEAST_EM_MM, MOST_EM_MM)
         surface = ClosestPoints(mesh)
         self.page: Page | None = None
         self.from_fonts: dict[str, str] = {}

@@ -1,4 +1,4 @@
-"""A painting in the studio: the object, the brush, its strokes, and the way back.
+"""A painting in the studio: the object, the brush, its strokes, and its undo history.
 
 No window, no thread and no clock: whoever calls says when. `paint3d.app.model.paint_thread` runs
 one of these in a thread of its own.
@@ -7,7 +7,7 @@ one of these in a thread of its own.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from itertools import count
@@ -94,7 +94,7 @@ _EDIT_STEP = COMMANDS["edit_strokes"].undo_label
 # done again with the one after it.
 
 FileState = tuple[int, int, int]
-"""What becomes another one when somebody writes a file: its number, time (ns) and bytes."""
+"""Inode, mtime (ns) and size of a file: they change when somebody writes it."""
 
 
 class Document:
@@ -144,7 +144,7 @@ class Document:
         self.surface = surface
         self.painter = painter
         self.path = path
-        self._written = _written(path)
+        self._file_state = _stat(path)
         self.unit = unit
         self.properties: dict[str, Any] = dict(saved.settings if saved else {})
         at_hand = saved_inks(surface, self.properties)
@@ -168,30 +168,29 @@ class Document:
         self._is_repainting = False
         self._is_previewing = False  # strokes were undone only to look at what was before
         self._looks_back = False  # and are not done again
-        self.recorder = self._make_recorder(saved)
-        self.refused_history = self._take_history(saved)
+        self.recorder: ScoreRecorder | None
+        if saved is None:
+            self.recorder = ScoreRecorder.begin(surface, painter)
+        elif saved.score is None:
+            self.recorder = None
+        else:
+            self.recorder = ScoreRecorder.resumed(saved.score, len(saved.strokes))
+        self.refused_history = self._restore_history(saved)
         self._saved_at = self._undo.next_undo
         surface.keeps_up = self.properties.pop("behind", False) is not True
         self._pending: list[AnyArray] = []
         self.tuft_follower = TuftFollower()
 
-    def _make_recorder(self, saved: Session | None) -> ScoreRecorder | None:
-        if saved is None:
-            return ScoreRecorder.begin(self.surface, self.painter)
-        if saved.score is None:
-            return None
-        return ScoreRecorder.resumed(saved.score, len(saved.strokes))
-
     @property
     def score(self) -> Score | None:
         """All that happened; None where that is not known from the beginning.
 
-        `score_of_strokes` then tells of the strokes alone.
+        `score.playing.score_of_strokes` then makes one of the strokes alone.
         """
         return None if self.recorder is None else self.recorder.score(self.surface.source.name)
 
-    def _take_history(self, saved: Session | None) -> Message | None:
-        """Have the way back that was saved; why not, where it is damaged."""
+    def _restore_history(self, saved: Session | None) -> Message | None:
+        """Restore the saved undo history; return why that failed, or None."""
         if saved is None or saved.history is None:
             return None
         try:
@@ -276,13 +275,13 @@ class Document:
         """
         if not is_session_path(path):
             return cls.new(path, resolution, material, unit=unit, undo_bytes=undo_bytes)
-        written = _written(path)
+        state = _stat(path)
         session = load_session(path, progress)
         try:
             painter = saved_painter(session.surface, session.settings)
             unit = saved_unit(session.settings)
             opened = cls(session.surface, painter, Path(path), session, unit, undo_bytes)
-            opened._written = written
+            opened._file_state = state
             return opened
         except Paint3DError as cause:
             raise SessionError("{file}: {cause}", file=path, cause=cause) from None
@@ -302,74 +301,20 @@ class Document:
         """
         path = self.path if path is None else Path(path)
         if path is None:
-            raise ExportError("this painting has no file yet; expected where to save it")
+            raise ExportError("this painting has no file yet; give a path to save it to")
         if not is_session_path(path):
             raise ExportError(
                 "{file}: a painting is saved as .p3d; other formats are exported",
                 file=path,
             )
         self.save_copy(path, progress)
-        self.belong_to(path)
+        self.set_file(path)
         self.modified, self._saved_at = False, self._undo.next_undo
 
     def save_copy(self, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
         """Write everything to a session that is not the painting's own; see `save`."""
-        self._gather()
+        self._refresh_colours()
         save_session(self._session(), path, progress)
-
-    def belong_to(self, path: Path | None, as_known: FileState | None = None) -> None:
-        """Have this as the session's file.
-
-        Parameters
-        ----------
-        path : Path or None
-        as_known : FileState, optional
-            What `file_state` was when it was written or read last; by default, as it lies on the
-            disk now.
-        """
-        self.path, self._written = path, as_known or _written(path)
-
-    @property
-    def file_state(self) -> FileState | None:
-        """What the session's file was when it was opened or saved here; None: it has none."""
-        return self._written
-
-    @property
-    def is_written_by_others(self) -> bool:
-        """Whether the session's file is another than the one that was opened or saved here."""
-        now = _written(self.path)
-        return now is not None and now != self._written
-
-    def differ_from_saved(self) -> None:
-        """Know that something changed that no undo takes back."""
-        self.modified, self._saved_at = True, None
-
-    # -- how it is looked at ----------------------------------------------------------------
-
-    def set_reference(self, reference: Mapping[str, Any] | None = None) -> None:
-        """Keep with the painting which picture is beside the work, and how; None: none."""
-        if self._set_property("reference", reference):
-            self.differ_from_saved()
-
-    def set_views(self, views: Mapping[str, Mapping[str, Any]]) -> None:
-        """Keep with the painting from where it is looked at, by name."""
-        if self._set_property("views", views):
-            self.differ_from_saved()
-
-    def set_light(self, kind: str, turn: float) -> None:
-        """Keep with the painting in which light it is seen, one of `LIVE_LIGHTS`, turned by rad.
-
-        That is no reason to save it.
-        """
-        self._set_property("light", {"kind": kind, "turn": turn})
-
-    def _set_property(self, name: str, value: Mapping[str, Any] | None) -> bool:
-        """Put a property among `properties`, or take it out; whether it was another."""
-        self.check_access()
-        before = self.properties.pop(name, None)
-        if value is not None:
-            self.properties[name] = dict(value)
-        return bool(before != value)
 
     def _session(self) -> Session:
         settings = {**self.properties, "brush": brush_words(self.painter.brush)}
@@ -395,6 +340,32 @@ class Document:
         score = None if self.in_stroke else self.score  # what of it is painted, nobody could say
         return Session(self.surface, self._recordings, settings, strokes, undone, history, score)
 
+    def set_file(self, path: Path | None, state: FileState | None = None) -> None:
+        """Make a file the session's own.
+
+        Parameters
+        ----------
+        path : Path or None
+        state : FileState, optional
+            Its `file_state` when it was last written or read; by default its state on disk now.
+        """
+        self.path, self._file_state = path, state or _stat(path)
+
+    @property
+    def file_state(self) -> FileState | None:
+        """State of the session's file when it was opened or saved here; None without a file."""
+        return self._file_state
+
+    @property
+    def file_changed_on_disk(self) -> bool:
+        """Whether the session's file was changed since it was opened or saved here."""
+        now = _stat(self.path)
+        return now is not None and now != self._file_state
+
+    def mark_modified(self) -> None:
+        """Mark the painting as modified, whatever is undone."""
+        self.modified, self._saved_at = True, None
+
     def export(
         self,
         path: str | os.PathLike[str],
@@ -416,10 +387,7 @@ class Document:
         if is_session_path(path):
             self.save_copy(path, progress)
             return
-        self._gather()
-        prepared = prepare_export(
-            self.surface, path, ExportOptions(**options), part_of(progress, 0.0, 0.6)
-        )
+        prepared = self.prepare_export(path, ExportOptions(**options), part_of(progress, 0.0, 0.6))
         prepared.write(part_of(progress, 0.6, 1.0))
 
     def prepare_export(
@@ -429,8 +397,35 @@ class Document:
 
         See `paint3d.files.export.prepare_export`.
         """
-        self._gather()
+        self._refresh_colours()
         return prepare_export(self.surface, path, options, progress)
+
+    # -- how it is looked at ----------------------------------------------------------------
+
+    def set_reference(self, reference: Mapping[str, Any] | None = None) -> None:
+        """Keep with the painting which picture is beside the work, and how; None: none."""
+        if self._set_property("reference", reference):
+            self.mark_modified()
+
+    def set_views(self, views: Mapping[str, Mapping[str, Any]]) -> None:
+        """Keep with the painting from where it is looked at, by name."""
+        if self._set_property("views", views):
+            self.mark_modified()
+
+    def set_light(self, kind: str, turn: float) -> None:
+        """Keep with the painting in which light it is seen, one of `LIVE_LIGHTS`, turned by rad.
+
+        That is no reason to save it.
+        """
+        self._set_property("light", {"kind": kind, "turn": turn})
+
+    def _set_property(self, name: str, value: Mapping[str, Any] | None) -> bool:
+        """Put a property among `properties`, or take it out; whether it was another."""
+        self.check_access()
+        before = self.properties.pop(name, None)
+        if value is not None:
+            self.properties[name] = dict(value)
+        return bool(before != value)
 
     # -- brush and inks ---------------------------------------------------------------------
 
@@ -443,7 +438,7 @@ class Document:
         InputError
             If a stroke is going on, or there is no such brush.
         """
-        self._refuse_in_stroke(Message("another brush"))
+        self._refuse_in_stroke(Message("changing the brush"))
         if isinstance(brush, Mapping):
             brush = brush_from_words(brush)
         elif isinstance(brush, str):  # it may be that of a session, which names no file
@@ -475,7 +470,7 @@ class Document:
         InputError
             If it is neither, or a stroke is going on.
         """
-        self._refuse_in_stroke(Message("another azimuth"))
+        self._refuse_in_stroke(Message("changing the azimuth"))
         if azimuth not in ("commanded", "dragged"):
             raise InputError(
                 "azimuth is {azimuth!r}; expected 'commanded' or 'dragged'",
@@ -492,7 +487,7 @@ class Document:
         InputError
             If it is below 0 or over 1000, or a stroke is going on.
         """
-        self._refuse_in_stroke(Message("another pick-up"))
+        self._refuse_in_stroke(Message("changing the pick-up"))
         fraction = as_number(pickup, "pickup (1/mm)", 0.0, _MOST_PICKUP)
         self.surface.ink.transfer["pickup"] = fraction
 
@@ -530,7 +525,7 @@ class Document:
     @recorded
     def swap_inks(self) -> None:
         """Dip the brush in the other ink."""
-        self._refuse_in_stroke(Message("another ink"))
+        self._refuse_in_stroke(Message("changing the ink"))
         self.inks.reverse()
         self.dip(self.inks[0])
 
@@ -552,7 +547,7 @@ class Document:
         surface = self.surface
         if not 0 <= vertex_id < surface.n_vertices:
             raise InputError(
-                "vertex {vertex_id}; expected 0 to {last}",
+                "vertex_id is {vertex_id}; expected 0 to {last}",
                 vertex_id=vertex_id,
                 last=surface.n_vertices - 1,
             )
@@ -573,10 +568,9 @@ class Document:
 
     @property
     def unpainted(self) -> tuple[list[DeviceSample], bool]:
-        """The last samples of the stroke that is going on: those that still wait to be painted.
+        """The current stroke's samples that are not painted yet, for drawing the brush.
 
-        Before them the one where the painter's stamp stands, and then True; else the stroke's first
-        samples, none of which is painted yet, and False.
+        They are preceded by the last painted one, if there is one; and whether there is one.
         """
         stroke = self._log.current
         if stroke is None:
@@ -629,12 +623,12 @@ class Document:
             pairs. In that case samples are passed over until `end_stroke` or `cancel_stroke`: they
             belong to the stroke that was refused.
         """
-        self._refuse_in_stroke(Message("a stroke"))
+        self._refuse_in_stroke(Message("beginning another stroke"))
         self._end_preview()
         self._refused = True
         loads = checked_pairs("loads", loads)
         strengths = checked_pairs("strengths", strengths, LEAST_INK)
-        layer = self._paintable()
+        layer = self._require_paintable()
         painter = self.painter
         stroke = self._log.begin(
             painter.brush,
@@ -650,26 +644,16 @@ class Document:
             brush, ink = brush or painter.brush, ink or painter.dipped  # never an empty brush
             stroke.tags[ERASES] = True
         if brush is not None or ink is not None:
-            self._override_tool(stroke, brush, ink)
+            try:
+                self._override = ToolOverride(painter, brush, ink)
+            except BaseException:
+                self._log.cancel()
+                self._queue_changed(self._undo.revert())
+                raise
+            stroke.brush, stroke.ink = painter.brush, parts_of(painter.dipped)
+            stroke.dipped_since_stroke = True
         self._refused = self._dipped_since_stroke = False
         self._strokes.begin(loads, strengths, erase=erase)
-
-    def _override_tool(
-        self,
-        stroke: Stroke,
-        brush: BrushSpec | None,
-        ink: Ink | None,
-    ) -> None:
-        """Take a brush or an ink for the stroke that begins; where that fails, none begins."""
-        painter = self.painter
-        try:
-            self._override = ToolOverride(painter, brush, ink)
-        except BaseException:
-            self._log.cancel()
-            self._note(self._undo.revert())
-            raise
-        stroke.brush, stroke.ink = painter.brush, parts_of(painter.dipped)
-        stroke.dipped_since_stroke = True
 
     def feed(self, samples: Sequence[DeviceSample]) -> None:
         """Paint samples of both hands, in the order of time; the last two wait for more.
@@ -718,8 +702,8 @@ class Document:
             self._override = None
         stroke = self._log.end()
         if stroke is None:
-            self._note(self._undo.revert())
-            self.compare_with_saved()
+            self._queue_changed(self._undo.revert())
+            self.update_modified()
         return stroke
 
     def break_off(self) -> None:
@@ -737,8 +721,8 @@ class Document:
         self._strokes.abandon()
         self._override = None  # what was in hand comes back with the step
         self._log.cancel()
-        self._note(self._undo.revert())
-        self.compare_with_saved()
+        self._queue_changed(self._undo.revert())
+        self.update_modified()
 
     @recorded
     def set_symmetry(self, symmetry: Symmetry) -> None:
@@ -749,7 +733,7 @@ class Document:
         InputError
             If a stroke is going on.
         """
-        self._refuse_in_stroke(Message("another symmetry"))
+        self._refuse_in_stroke(Message("changing the symmetry"))
         self._strokes.symmetry = symmetry
 
     @recorded
@@ -761,7 +745,7 @@ class Document:
         InputError
             If it names a face that is not there, or a stroke is going on.
         """
-        self._refuse_in_stroke(Message("another mask"))
+        self._refuse_in_stroke(Message("changing the mask"))
         self._strokes.set_mask(mask)
 
     @property
@@ -792,42 +776,41 @@ class Document:
     def _refuse_in_stroke(self, what: Message) -> None:
         if self.in_stroke:
             raise InputError(
-                "{what} was asked for during a stroke; expected its end first",
-                what=what,
+                "{what} is not possible during a stroke; end the stroke first", what=what
             )
 
-    def rest(self) -> None:
-        """Get ready for the next stroke while nobody paints; nothing that is painted changes."""
+    def prepare_next_stroke(self) -> None:
+        """Do ahead, while nobody paints, what the next stroke would wait for; paint nothing."""
         if not self.in_stroke:
             self.surface.grow_ahead()
             if self.surface.n_outdated > _MANY_OUTDATED:  # wet ink looks at them at every step
-                self._gather()
+                self._refresh_colours()
 
     @recorded
     def follow_time(self, seconds: float) -> bool:
-        """Let wet ink spread and dry, if it keeps up; see `PaintedSurface.follow_time`."""
+        """Advance wet ink by `seconds`, by 0 s while it lags behind; return whether it keeps up."""
         keeps_up = self.surface.follow_time(seconds)
-        self._seal_what_ran()
+        self._end_undo_part()
         return keeps_up
 
     @recorded
     def let_time_pass(self, seconds: float) -> bool:
-        """Let wet ink spread and dry; whether it keeps up: see `PaintedSurface.follow_flow`."""
+        """Advance wet ink by `seconds`, also while it lags behind; return whether it keeps up."""
         keeps_up = self.surface.follow_flow(seconds)
-        self._seal_what_ran()
+        self._end_undo_part()
         return keeps_up
 
-    def _seal_what_ran(self) -> None:
-        """What runs by itself is not the stencil's."""
+    def _end_undo_part(self) -> None:
+        """Close the part of the undo step, so that the mask does not wipe ink that flowed."""
         if self.stencil is not None and self.in_stroke:
-            self._undo.seal()
+            self._undo.end_part()
 
     @recorded
     def dry(self) -> None:
         """Let all wet paint dry at once: a step that can be undone."""
         self._refuse_in_stroke(Message("drying"))
         self._end_preview()
-        self._paintable()
+        self._require_paintable()
         self._undo.begin(COMMANDS["dry"].undo_label)
         self.surface.dry()
         self.modified = True
@@ -846,7 +829,7 @@ class Document:
         self._refuse_in_stroke(Message("blotting"))
         share = as_number(share, "share", 0.0, 1.0)
         self._end_preview()
-        self._paintable()
+        self._require_paintable()
         self._undo.begin(COMMANDS["blot"].undo_label)
         surface = self.surface
         surface.drop_flow()
@@ -892,7 +875,7 @@ class Document:
         InputError
             If the name or the place is none, or there are too many.
         """
-        name = name or self._free_name()
+        name = name or _first_free(layer.name for layer in self.layers)
         place = self.active_layer + 1 if place is None else place
         self._restack(COMMANDS["add_layer"].undo_label, lambda stack: stack.add(name, place))
 
@@ -1003,7 +986,7 @@ class Document:
             is going on.
         """
         step = COMMANDS["set_group_opacity"].undo_label
-        self._restack(step, lambda stack: stack.describe_group(place, opacity=opacity))
+        self._restack(step, lambda stack: stack.set_group_properties(place, opacity=opacity))
 
     @recorded
     def set_group_blend(self, place: int, blend: str) -> None:
@@ -1016,13 +999,13 @@ class Document:
             going on.
         """
         step = COMMANDS["set_group_blend"].undo_label
-        self._restack(step, lambda stack: stack.describe_group(place, blend=blend))
+        self._restack(step, lambda stack: stack.set_group_properties(place, blend=blend))
 
     @recorded
     def rename_group(self, place: int, name: str) -> None:
         """Name a group."""
-        self.surface.use_layers().describe_group(place, name=name)
-        self.differ_from_saved()
+        self.surface.use_layers().set_group_properties(place, name=name)
+        self.mark_modified()
 
     @recorded
     def set_group_visible(self, place: int, visible: bool = True) -> None:
@@ -1034,20 +1017,18 @@ class Document:
             If there is no layer at that place, it is in no group, or a stroke is going on.
         """
         self._refuse_in_stroke(Message("showing or hiding a layer"))
-        self.surface.use_layers().describe_group(place, visible=bool(visible))
+        self.surface.use_layers().set_group_properties(place, visible=bool(visible))
         self.surface.touch(self.surface.use_layers().painted_ids())
-        self.differ_from_saved()
+        self.mark_modified()
 
     @recorded
     def set_group_folded(self, place: int, folded: bool = True) -> None:
         """List a group without its layers, or with them again."""
-        self.surface.use_layers().describe_group(place, folded=bool(folded))
-        self.differ_from_saved()
+        self.surface.use_layers().set_group_properties(place, folded=bool(folded))
+        self.mark_modified()
 
     def _free_group_name(self) -> str:
-        """The first number that no group is called by."""
-        names = {layer.group.name for layer in self.layers if layer.group is not None}
-        return next(str(n) for n in count(1) if str(n) not in names)
+        return _first_free(layer.group.name for layer in self.layers if layer.group is not None)
 
     @recorded
     def duplicate_layer(self, place: int, name: str | None = None) -> None:
@@ -1059,7 +1040,7 @@ class Document:
             If there is none at that place, the name is none, there are too many, or a stroke is
             going on.
         """
-        name = name or self._free_name()
+        name = name or _first_free(layer.name for layer in self.layers)
         step = COMMANDS["duplicate_layer"].undo_label
         self._restack(step, lambda stack: stack.duplicate(place, name))
 
@@ -1076,7 +1057,7 @@ class Document:
         stack = self.surface.use_layers()
         both = [k for k in (place - 1, place) if 0 <= k < len(stack)]
         for k in both:
-            self._paintable(k)
+            self._require_paintable(k)
 
         def merge(stack: LayerStack) -> None:
             for k in both if len(both) == 2 else ():
@@ -1097,7 +1078,8 @@ class Document:
             If there is none at that place, it is no such share, or a stroke is going on.
         """
         self._restack(
-            COMMANDS["set_opacity"].undo_label, lambda stack: stack.describe(place, opacity=opacity)
+            COMMANDS["set_opacity"].undo_label,
+            lambda stack: stack.set_properties(place, opacity=opacity),
         )
 
     @recorded
@@ -1110,19 +1092,14 @@ class Document:
             If there is none at that place, it is neither, or a stroke is going on.
         """
         self._restack(
-            COMMANDS["set_blend"].undo_label, lambda stack: stack.describe(place, blend=blend)
+            COMMANDS["set_blend"].undo_label, lambda stack: stack.set_properties(place, blend=blend)
         )
-
-    def _free_name(self) -> str:
-        """The first number that no layer is called by."""
-        names = {layer.name for layer in self.layers}
-        return next(str(n) for n in count(1) if str(n) not in names)
 
     @recorded
     def rename_layer(self, place: int, name: str) -> None:
         """Name a layer."""
-        self.surface.use_layers().describe(place, name=name)
-        self.differ_from_saved()
+        self.surface.use_layers().set_properties(place, name=name)
+        self.mark_modified()
 
     @recorded
     def set_visible(self, place: int, visible: bool = True) -> None:
@@ -1134,27 +1111,26 @@ class Document:
             If there is none at that place, or a stroke is going on.
         """
         self._refuse_in_stroke(Message("showing or hiding a layer"))
-        self.surface.use_layers().describe(place, visible=bool(visible))
+        self.surface.use_layers().set_properties(place, visible=bool(visible))
         self.surface.touch(self.surface.use_layers().painted_ids())
-        self.differ_from_saved()
+        self.mark_modified()
 
     @recorded
     def set_locked(self, place: int, locked: bool = True) -> None:
         """Refuse painting on a layer, or allow it again."""
-        self.surface.use_layers().describe(place, locked=bool(locked))
-        self.differ_from_saved()
+        self.surface.use_layers().set_properties(place, locked=bool(locked))
+        self.mark_modified()
 
     def _restack(self, step: str, action: Callable[[LayerStack], None]) -> None:
         """Change which layers there are; ink that goes or comes with them is no longer loaded."""
-        self._refuse_in_stroke(Message("another order of layers"))
+        self._refuse_in_stroke(Message("changing the layers"))
         if step and self._is_previewing:
             raise InputError(
-                "{step} was asked for during a replay; expected its end first",
-                step=step,
+                "“{step}” is not possible during a replay; end the replay first", step=step
             )
         surface, painter = self.surface, self.painter
         stack = surface.use_layers()
-        self._gather()
+        self._refresh_colours()
         if step:
             self._undo.begin(step)
         before, shown = surface.wet_ink() + surface.dry_ink(), stack.painted_ids()
@@ -1162,17 +1138,17 @@ class Document:
             self._undo.change(stack.state, lambda: action(stack))
         except BaseException:
             if step:
-                self._note(self._undo.revert())
+                self._queue_changed(self._undo.revert())
             raise
         painter.loaded += surface.wet_ink() + surface.dry_ink() - before
         if step:
             surface.touch(union([shown, stack.painted_ids()], surface.paint_mesh.capacity))
             self.modified = True
         else:
-            self.differ_from_saved()
+            self.mark_modified()
 
-    def _paintable(self, place: int | None = None) -> Layer:
-        """The layer that is painted on, or another one that is to be changed."""
+    def _require_paintable(self, place: int | None = None) -> Layer:
+        """Return the active layer, or the one at `place`; LayerError if it is locked or hidden."""
         layer = self.layers[self.active_layer if place is None else place]
         name = Message("Layer {number}", number=layer.name) if layer.name.isdigit() else layer.name
         if layer.locked:
@@ -1231,14 +1207,16 @@ class Document:
             number = count
         elif not 0 <= number < count:
             raise InputError(
-                "text {number}; expected one of {count}, counted from 0", number=number, count=count
+                "text number is {number}; there are {count}, counted from 0",
+                number=number,
+                count=count,
             )
         changed = (*self._texts[:number], *by, *self._texts[number + 1 :])
         unpacked_texts([text.words() for text in changed])  # not too many
         self._end_preview()
         self._undo.begin(COMMANDS[command].undo_label)
         self._texts = changed
-        self._undo.seal()
+        self._undo.end_part()
         self.modified = True
 
     # -- seals ------------------------------------------------------------------------------
@@ -1285,10 +1263,10 @@ class Document:
         MeshError
             If the surface ends within the stone.
         """
-        self._refuse_in_stroke(Message("a seal"))
+        self._refuse_in_stroke(Message("pressing a seal"))
         seal = self._press.check(rings, coats, pad_mm, wear, seed)
         self._end_preview()
-        self._paintable()
+        self._require_paintable()
         touched = self._press.press(seal, at, up, ink, self.stencil)
         self.modified = True
         return touched
@@ -1303,7 +1281,7 @@ class Document:
     @property
     def can_undo(self) -> bool:
         """Whether there is something to undo."""
-        return bool(self._undo.done) or self.earliest_stroke < self.oldest_stroke
+        return bool(self._undo.done) or self.fewest_strokes < self.n_strokes_without_undo
 
     @property
     def can_redo(self) -> bool:
@@ -1371,12 +1349,12 @@ class Document:
 
     def _stepped(self, touched: AnyArray) -> AnyArray:
         self._follow_log()
-        self.compare_with_saved()
-        self._note(touched)
+        self.update_modified()
+        self._queue_changed(touched)
         return touched
 
-    def compare_with_saved(self) -> None:
-        """See whether the steps that are done are those with which it was saved."""
+    def update_modified(self) -> None:
+        """Set `modified` by whether the current undo step is the saved one."""
         self.modified = self._undo.next_undo != self._saved_at
 
     @property
@@ -1394,7 +1372,7 @@ class Document:
         Parameters
         ----------
         upto : int
-            After how many strokes: from `earliest_stroke` to as many as there are with those that
+            After how many strokes: from `fewest_strokes` to as many as there are with those that
             were undone.
         passing : bool
             Only to look at: what is painted next comes after all strokes, not in their stead.
@@ -1411,15 +1389,15 @@ class Document:
         """
         self.break_off()
         most = len(self.strokes) + len(self.undone_strokes)
-        if not self.earliest_stroke <= upto <= most:
+        if not self.fewest_strokes <= upto <= most:
             raise InputError(
-                "stroke {upto} of the history; expected {earliest_stroke} to {most}",
+                "the history cannot go to stroke {upto}; expected {fewest} to {most}",
                 upto=upto,
-                earliest_stroke=self.earliest_stroke,
+                fewest=self.fewest_strokes,
                 most=most,
             )
         touched: list[AnyArray] = []
-        if upto < self.oldest_stroke:
+        if upto < self.n_strokes_without_undo:
             touched.append(self.recall_strokes())
         while len(self.strokes) > upto:
             touched.append(self._undo_step())
@@ -1448,18 +1426,17 @@ class Document:
     # -- strokes that no step takes back ----------------------------------------------------
 
     @property
-    def oldest_stroke(self) -> int:
-        """How many strokes no step takes back; `recall_strokes` gives them steps."""
+    def n_strokes_without_undo(self) -> int:
+        """Number of first strokes that have no undo step; `recall_strokes` gives them steps."""
         return self._log.n_before
 
     @property
-    def earliest_stroke(self) -> int:
-        """To how few strokes the painting can be brought back, by steps or by painting again.
+    def fewest_strokes(self) -> int:
+        """Smallest number of strokes that `replay_history` can go back to.
 
-        What a recording painted is no stroke: strokes over it cannot be painted again by
-        themselves.
+        Strokes over a recording cannot be painted again: what it painted is no stroke.
         """
-        return self.oldest_stroke if self._recordings else 0
+        return self.n_strokes_without_undo if self._recordings else 0
 
     def recall_strokes(self) -> AnyArray:
         """Paint the strokes that no step takes back once more, so that all can be taken back.
@@ -1478,17 +1455,17 @@ class Document:
         InputError
             If a stroke is going on, or there is a recording under the strokes.
         """
-        self._refuse_in_stroke(Message("going back"))
-        count = self.oldest_stroke
+        self._refuse_in_stroke(Message("undoing earlier strokes"))
+        count = self.n_strokes_without_undo
         if not count:
             return union([], self.surface.paint_mesh.capacity)
-        if self.earliest_stroke:
+        if self.fewest_strokes:
             raise InputError(
-                "the first {count} strokes lie over a recording, which no stroke repeats; expected "
-                "a stroke from {count} on",
+                "the first {count} strokes lie over a recording and cannot be repainted; choose "
+                "stroke {count} or a later one",
                 count=count,
             )
-        self._gather()
+        self._refresh_colours()
         painter = self.painter
         brush, since_dip = painter.brush, self._dipped_since_stroke
         amount, dips = painter.amount, dips_of(painter)
@@ -1512,7 +1489,7 @@ class Document:
             self._dipped_since_stroke = since_dip
             found = union(touched, self.surface.paint_mesh.capacity)
             self.surface.touch(found)
-            self._note(found)
+            self._queue_changed(found)
         self.recorder = None  # what is painted again is not what was
         return found
 
@@ -1610,7 +1587,7 @@ class Document:
         held = self.n_seals
         if not 0 <= place < len(seals) or len(seals) != held:
             raise InputError(
-                "seal {number} is none of {count} that {steps} steps lead back to",
+                "seal {number} cannot be edited: the score has {count} seals, undo reaches {steps}",
                 number=place + 1,
                 count=len(seals),
                 steps=held,
@@ -1628,8 +1605,8 @@ class Document:
         self.break_off()
         if self.recorder is None:
             raise InputError(
-                "of this painting only the strokes are known, not what was between them; expected "
-                "one whose score is kept: save the strokes as a whole painting and replay it"
+                "only the strokes of this painting are known, not the commands between them, so "
+                "they cannot be edited; save the strokes as a whole painting and replay it"
             )
         score = self.score
         assert score is not None, "it is kept"
@@ -1648,12 +1625,12 @@ class Document:
                 number=index + 1,
                 count=count,
             )
-        if index < self.oldest_stroke:
+        if index < self.n_strokes_without_undo:
             raise InputError(
-                "no step leads back to stroke {number}; expected one from {oldest_stroke} on: save "
-                "the strokes as a whole painting and replay it",
+                "undo does not reach stroke {number}; choose {first} or later, or save the strokes "
+                "as a whole painting and replay it",
                 number=index + 1,
-                oldest_stroke=self.oldest_stroke + 1,
+                first=self.n_strokes_without_undo + 1,
             )
 
     def _serialize_edit(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:
@@ -1669,7 +1646,7 @@ class Document:
         """Go back while there is something to undo, and play the edited score from an event on."""
         recorder, steps = self.recorder, self._undo
         assert recorder is not None, "it was looked at"
-        self._gather()
+        self._refresh_colours()
         before, last_step, n_done = self._in_hand(), steps.next_undo, len(steps.done)
         layers = self.surface.use_layers().layers
         later_step, ids = steps.lay_aside_since()
@@ -1695,13 +1672,13 @@ class Document:
         else:
             self._edits.add(version)
             self.recorder = ScoreRecorder(edited.header, edited.events)
-            self.compare_with_saved()
+            self.update_modified()
         finally:
-            self._describe(layers)
+            self._restore_layer_properties(layers)
             self._take_in_hand(before)
             found = union(touched, self.surface.paint_mesh.capacity)
             self.surface.touch(found)
-            self._note(found)
+            self._queue_changed(found)
         return found
 
     def _play(self, edited: Score, begin: int) -> None:
@@ -1723,11 +1700,11 @@ class Document:
         now = strokes.symmetry, strokes.mask, strokes.stencil
         inks = list(self.inks)
         self._is_repainting = True
-        self._set_up(score, begin)
+        self._apply_settings_at(score, begin)
         for place in range(len(stack.layers)):
-            stack.describe(place, visible=True, locked=False)
+            stack.set_properties(place, visible=True, locked=False)
             if stack.layers[place].group is not None:
-                stack.describe_group(place, visible=True)
+                stack.set_group_properties(place, visible=True)
         try:
             yield
         finally:
@@ -1735,20 +1712,22 @@ class Document:
             self._log.tags, self.painter.azimuth = tags, azimuth
             self.inks, self._saved_at, self._is_repainting = inks, saved_at, False
 
-    def _describe(self, layers: Sequence[Layer]) -> None:
-        """Have layers seen, locked and called as they were."""
+    def _restore_layer_properties(self, layers: Sequence[Layer]) -> None:
+        """Give the layers the names, visibility and locks that they had."""
         stack = self.surface.use_layers()
         if len(stack.layers) == len(layers):
             for place, layer in enumerate(layers):
-                stack.describe(place, name=layer.name, visible=layer.visible, locked=layer.locked)
+                stack.set_properties(
+                    place, name=layer.name, visible=layer.visible, locked=layer.locked
+                )
                 group, now = layer.group, stack.layers[place].group
                 if group is not None and now is not None:
-                    stack.describe_group(
+                    stack.set_group_properties(
                         place, name=group.name, visible=group.visible, folded=group.folded
                     )
 
-    def _set_up(self, score: Score, begin: int) -> None:
-        """Have the symmetry, the mask and the like that the score had at an event."""
+    def _apply_settings_at(self, score: Score, begin: int) -> None:
+        """Set symmetry, mask, tags and azimuth as the score had them before event `begin`."""
         vocabulary = Vocabulary(self.surface, InkTable(dict(score.header.get("pigments", {}))))
         calls: dict[str, Mapping[str, Any]] = {
             "set_symmetry": {"symmetry": Symmetry()}, "set_mask": {"mask": Mask()},
@@ -1784,8 +1763,8 @@ class Document:
         self._take_in_hand(before)
         self._is_previewing = self._looks_back = False
         found = union(touched, self.surface.paint_mesh.capacity)
-        self.compare_with_saved()
-        self._note(found)
+        self.update_modified()
+        self._queue_changed(found)
         return found
 
     def _in_hand(self) -> tuple[BrushSpec, Any, DipAmount]:
@@ -1805,25 +1784,31 @@ class Document:
     def refresh(self) -> AnyArray:
         """Bring the colours up to date; (N,) int32 vertices that changed since the last call."""
         self.check_access()
-        self._gather()
+        self._refresh_colours()
         pending, self._pending = self._pending, []
         if len(pending) == 1:
             return pending[0]
         return union(pending, self.surface.paint_mesh.capacity)
 
-    def _gather(self) -> None:
-        """Remember what a refresh finds, whoever asks for colours."""
-        self._note(self.surface.refresh())
+    def _refresh_colours(self) -> None:
+        """Refresh colours; the next `refresh` returns the vertices that changed."""
+        self._queue_changed(self.surface.refresh())
 
-    def _note(self, vertex_ids: AnyArray) -> None:
+    def _queue_changed(self, vertex_ids: AnyArray) -> None:
         if len(vertex_ids):
             self._pending.append(vertex_ids)
 
 
-def _written(path: str | os.PathLike[str] | None) -> FileState | None:
-    """As the file lies there now; None where there is none."""
+def _stat(path: str | os.PathLike[str] | None) -> FileState | None:
+    """Inode, mtime (ns) and size of a file; None if it is missing."""
     try:
-        found = os.stat(path) if path is not None else None
+        stat = os.stat(path) if path is not None else None
     except OSError:
         return None
-    return found and (found.st_ino, found.st_mtime_ns, found.st_size)
+    return stat and (stat.st_ino, stat.st_mtime_ns, stat.st_size)
+
+
+def _first_free(names: Iterable[str]) -> str:
+    """The first number, from 1, that is none of the names."""
+    taken = set(names)
+    return next(str(n) for n in count(1) if str(n) not in taken)

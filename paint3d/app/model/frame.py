@@ -193,7 +193,7 @@ class Snapshot:
         What lies on the object to be written after.
     strokes, undone_strokes : tuple of Stroke
         There; and to be done again, the next one first.
-    oldest_stroke, earliest_stroke : int
+    n_strokes_without_undo, fewest_strokes : int
         See `Document`.
     has_steps : bool
         Whether there is a step that undo takes back at once.
@@ -226,8 +226,8 @@ class Snapshot:
     texts: tuple[LaidText, ...]
     strokes: tuple[Stroke, ...]
     undone_strokes: tuple[Stroke, ...]
-    oldest_stroke: int
-    earliest_stroke: int
+    n_strokes_without_undo: int
+    fewest_strokes: int
     has_steps: bool
     can_undo: bool
     can_redo: bool
@@ -263,8 +263,8 @@ class Snapshot:
             texts=document.texts,
             strokes=tuple(document.strokes),
             undone_strokes=tuple(document.undone_strokes),
-            oldest_stroke=document.oldest_stroke,
-            earliest_stroke=document.earliest_stroke,
+            n_strokes_without_undo=document.n_strokes_without_undo,
+            fewest_strokes=document.fewest_strokes,
             has_steps=bool(document.steps.done),
             can_undo=document.can_undo,
             can_redo=document.can_redo,

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from paint3d.calligraphy.layout import LAYOUTS, Layout
+from paint3d.calligraphy.layout import LAYOUTS, LEAST_EM_MM, MOST_EM_MM, Layout
 from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError
 
@@ -22,7 +22,6 @@ GRIDS = ("frame", "mi", "jiu", "tian", "columns", "none")
 """What is drawn around characters: their squares alone; with a cross and diagonals (米字格), nine
 fields (九宮格), or a cross (田字格); lines between columns or rows; nothing."""
 
-_LEAST_EM_MM, _MOST_EM_MM = 2.0, 1000.0
 _MOST_GAP = 5.0  # ems
 _MOST_STROKES = 1_000_000_000
 _LONGEST, _MOST_TEXTS, _MOST_CELLS = 2000, 50, 40
@@ -97,7 +96,7 @@ class LaidText:
                     known=" or ".join(known),
                 )
         for name, low, high in (
-            ("em_mm", _LEAST_EM_MM, _MOST_EM_MM), ("turn", -180.0, 180.0),
+            ("em_mm", LEAST_EM_MM, MOST_EM_MM), ("turn", -180.0, 180.0),
             ("gap", 0.0, _MOST_GAP), ("between", 0.0, _MOST_GAP),
         ):  # fmt: skip
             number = as_number(getattr(self, name), name, low, high)

@@ -71,8 +71,8 @@ class Event:
         "error": a command was refused; "internal": a bug of the program; "kept": recovery data is
         complete again, after some of it could not be written.
     doing : str
-        What was being done: a command's name, "painting", "showing", "resting", or "keeping" what
-        is painted.
+        What was being done: a command's name, "painting", "showing", "preparing" the next
+        stroke, or "keeping" what is painted.
     message : str
     error : Exception or None
     """
@@ -545,7 +545,7 @@ class PaintThread:
             self._guarded("showing", self._publish)
         if not self._jobs:
             self._guarded("keeping", self._keep_base)
-            self._guarded("resting", self._document.rest)
+            self._guarded("preparing", self._document.prepare_next_stroke)
 
     def _do(self, job: _Job) -> None:
         self._stale = True

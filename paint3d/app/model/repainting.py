@@ -42,7 +42,7 @@ class Repainter:
     def make_bare(self, first: Stroke) -> None:
         """Begin as a new painting would: a brush that was dipped for the first stroke."""
         painter, surface = self._painter, self._painter.surface
-        surface.use_layers().describe(0, name=first.layer)
+        surface.use_layers().set_properties(0, name=first.layer)
         painter.change_brush(first.brush)
         painter.rinse()
         surface.ink.off_surface[:] = 0.0

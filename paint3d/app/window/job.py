@@ -10,7 +10,7 @@ from typing import Any
 
 from PySide6 import QtCore, QtWidgets
 
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_left
 
 __all__ = ["JobProgress", "is_waiting", "result_of", "run_beside"]
 
@@ -19,6 +19,7 @@ _LOOK_MS = 40
 _GRACE_S = 0.6  # that work has to stop in; then it is left to itself, and what it makes is dropped
 _AHEAD, _AHEAD_S = 0.05, 2.0  # the bar moves on by itself, at most so far, half of it in such time
 _STEPS = 1000  # of the bar
+_KNOWN_S, _KNOWN = 3.0, 0.1  # and of the work: from then on it is said how long it still takes
 
 _KIND = QtCore.QEvent.Type
 _DEAF = frozenset(
@@ -56,6 +57,11 @@ class JobProgress:
                 raise CancelledError
             self._settled = self._settled or fraction >= 1.0
         self._reported = max(self._reported[0], float(fraction)), time.monotonic()
+
+    @property
+    def done(self) -> float:
+        """How far it was said to be last, 0 to 1."""
+        return self._reported[0]
 
     @property
     def fraction(self) -> float:
@@ -173,6 +179,7 @@ class _Bar(QtCore.QObject):
         self._error: BaseException | None = None
         self._stopped_at: float | None = None
         self._began = time.monotonic()
+        self._title = title
         self._loop = QtCore.QEventLoop()
         self._dialog = dialog = QtWidgets.QProgressDialog(title, say("Cancel"), 0, _STEPS, parent)
         dialog.setWindowTitle(say("Please wait"))
@@ -215,6 +222,10 @@ class _Bar(QtCore.QObject):
 
     def _look(self) -> None:
         self._dialog.setValue(round(_STEPS * min(self._progress.fraction, 1.0)))
+        spent, done = time.monotonic() - self._began, self._progress.done
+        if spent > _KNOWN_S and _KNOWN <= done < 1.0:
+            to_come = say_left(spent * (1.0 - done) / done)
+            self._dialog.setLabelText(f"{self._title}\n{to_come}")
         stopped = self._stopped_at if self._progress.is_stopped else None
         left = stopped is not None and time.monotonic() - stopped > _GRACE_S
         if self._future.done() or left:

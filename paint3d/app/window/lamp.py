@@ -6,7 +6,10 @@ import math
 from collections.abc import Mapping
 from typing import Any
 
+from PySide6 import QtCore, QtWidgets
+
 from paint3d.app.model.document import Document
+from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import as_number
@@ -24,12 +27,54 @@ _NAMES = {
 _A_PIXEL = math.radians(0.5)
 
 
+class LightDialog(FormDialog):
+    """Ask for a light and whither its lamp is turned; shown at once.
+
+    Signals
+    -------
+    changed : (str, float)
+        A light, and the turn of its lamp, radians.
+    """
+
+    changed = QtCore.Signal(str, float)
+
+    def __init__(self, parent: QtWidgets.QWidget, kind: str, turn: float) -> None:
+        super().__init__(parent, say("Light…").rstrip("…"))
+        names = {name: say(text) for name, text in _NAMES.items()}
+        self.kind_box = self.add_box(say("Light"), names, kind)
+        self.turn = QtWidgets.QSlider(QtCore.Qt.Orientation.Horizontal)
+        self.turn.setRange(-180, 180)
+        self.turn.setMinimumWidth(220)
+        self.turn.setAccessibleName(say("Lamp turned"))
+        self.turn.setToolTip(say("Also by J held, and a drag"))
+        self.turn.setValue(round(math.degrees(turn)))
+        self.form.addRow(say("Lamp turned"), self.turn)
+        self.finish(say("OK"))
+        self.kind_box.currentIndexChanged.connect(self._tell)
+        self.turn.valueChanged.connect(self._tell)
+
+    def _tell(self) -> None:
+        self.changed.emit(self.kind_box.currentData(), math.radians(self.turn.value()))
+
+
 class Lamp:
     """Commands that choose and turn the light; ``do_<action>`` for each."""
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
         workspace.hand.lamp_turned.connect(self.turn_by)
+
+    def do_choose_light(self) -> None:
+        """Ask for a light, and show it meanwhile; the one before where none is taken."""
+        stage = self._workspace.stage
+        before = stage.light
+        dialog = LightDialog(self._workspace.window, *before)
+        dialog.changed.connect(stage.set_light)
+        if not dialog.exec():
+            stage.set_light(*before)
+        elif stage.light != before:
+            self._set(*stage.light)
+        dialog.deleteLater()
 
     def do_next_light(self) -> None:
         """Show the object in another light."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from concurrent.futures import Future
+from functools import partial
 from typing import Any, Protocol
 
 from PySide6 import QtCore, QtWidgets
@@ -102,31 +103,53 @@ class Panels:
     ) -> QtWidgets.QDockWidget:
         dock = QtWidgets.QDockWidget(title, self._workspace.window)
         dock.setObjectName(f"dock-{name}")
-        dock.setWidget(_scrolled(panel) if panel in self._tall else panel)
+        least = panel.minimumSizeHint().width()
+        if panel in self._tall:
+            scrolled = _scrolled(panel)
+            least += scrolled.verticalScrollBar().sizeHint().width()
+            dock.setWidget(scrolled)
+        else:
+            dock.setWidget(panel)
         dock.setTitleBarWidget(QtWidgets.QWidget())  # the tab says it
-        dock.setMinimumWidth(_WIDTH)
+        dock.setMinimumWidth(max(_WIDTH, least))
         self._workspace.window.addDockWidget(area, dock)
         self.docks[name] = dock
         return dock
 
+    def _watch_tabs(self) -> None:
+        """Hear of clicks on tabs, also of the panel that is shown already."""
+        for bar in self._workspace.window.findChildren(QtWidgets.QTabBar):
+            if not bar.property("watched"):
+                bar.setProperty("watched", True)
+                bar.tabBarClicked.connect(partial(self._tab_clicked, bar))
+
+    def _tab_clicked(self, bar: QtWidgets.QTabBar, index: int) -> None:
+        titles = {dock.windowTitle(): dock for dock in self.docks.values()}
+        dock = titles.get(bar.tabText(index))
+        if dock is not None and index == bar.currentIndex():
+            self._give_room(dock)
+
     def _give_room(self, dock: QtWidgets.QDockWidget) -> None:
-        """Give a panel whose tab was clicked the height that it needs, of what others can spare."""
+        """Give a panel whose tab was clicked the height that it needs, of what others can spare.
+
+        What it has beyond that goes to the other one, as far as that needs it.
+        """
         upper, lower = self._groups
         if dock not in upper and dock not in lower:
             return
         others = lower if dock in upper else upper
         beside = [one for one in others if one.isVisible() and not one.visibleRegion().isEmpty()]
-        shown = dock.widget()
-        content = shown.widget() if isinstance(shown, QtWidgets.QScrollArea) else shown
-        if content is None or not beside or dock.isFloating():
+        if not beside or dock.isFloating():
             return
-        wide = content.heightForWidth(dock.width())
-        need = wide if wide > 0 else content.sizeHint().height()
-        there, both = dock.height(), dock.height() + beside[0].height()
+        other = beside[0]
+        need, there, both = _needed(dock), dock.height(), dock.height() + other.height()
         if there < need:
             given = max(there, min(need, both - _LEAST))
+        else:
+            given = max(need, both - max(other.height(), _needed(other)))
+        if given != there:
             vertical = QtCore.Qt.Orientation.Vertical
-            self._workspace.window.resizeDocks([dock, beside[0]], [given, both - given], vertical)
+            self._workspace.window.resizeDocks([dock, other], [given, both - given], vertical)
 
     def _connect(self) -> None:
         post = self._workspace.post
@@ -196,6 +219,7 @@ class Panels:
     def open(self) -> None:
         """Show another document."""
         painting = self._workspace.painting
+        self._watch_tabs()
         self._drawn = self._drawing = None
         self._turned, self._asked_of_layers = {}, None
         self.layers.show_pictures(())
@@ -309,6 +333,17 @@ class Panels:
     def _dip(self, ink: Ink, reach: float | None) -> None:
         self._workspace.dip(ink, reach)
         self.brushes.set_ink(ink)
+
+
+def _needed(dock: QtWidgets.QDockWidget) -> int:
+    """The height at which all of a panel is seen, pixels."""
+    shown = dock.widget()
+    content = shown.widget() if isinstance(shown, QtWidgets.QScrollArea) else shown
+    assert content is not None, "each panel was put into its dock"
+    if isinstance(content, InkPanel):
+        return content.height_with_dishes(dock.width())
+    wide = content.heightForWidth(dock.width())
+    return wide if wide > 0 else content.sizeHint().height()
 
 
 def _takes_keys(widget: QtWidgets.QWidget) -> bool:

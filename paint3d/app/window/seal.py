@@ -413,6 +413,7 @@ class Sealing(QtCore.QObject):
         if moved is not None:
             self._edit(moved, {"do": "move", "at": place.tolist(), "up": up.tolist()})
             return
+        workspace.tell(say("Pressing the seal…"), stays=True)
         self._done = workspace.paint_thread.post("press_seal", rings, place.tolist(), up.tolist())
         self._timer.start(_LOOK_MS)
 

@@ -309,7 +309,7 @@ class Stage:
             coarse = self._open_object.coarse_for(pixel_mm, n_triangles)
         if coarse is not None:
             self.scene.set_coarse(coarse)
-        return True
+        return self.scene.has_coarse  # none yet where painting has just added vertices
 
     def _take_light(self) -> None:
         """Show soft light once it is found; it is looked for when the first picture is there."""

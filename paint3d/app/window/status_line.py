@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import time
 
-from PySide6 import QtCore, QtWidgets
+from PySide6 import QtCore, QtGui, QtWidgets
 
 from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.window.playing.player import Player
 from paint3d.app.window.theme import STATES, Theme
-from paint3d.app.window.wording import say
+from paint3d.app.window.wording import say, say_left
 from paint3d.app.window.workspace import Workspace
 
 __all__ = ["SPEEDS", "ReplayBar", "StatusLine", "keeping_up"]
@@ -38,6 +38,29 @@ def keeping_up(frame: PaintingFrame | None) -> tuple[str, str]:
 _EVERY_S = 0.25  # how the painting keeps up: oftener it cannot be read
 
 
+class _OneLine(QtWidgets.QLabel):
+    """A line as wide as there is room for; what does not fit ends in an ellipsis."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        policy = QtWidgets.QSizePolicy.Policy
+        self.setSizePolicy(policy.Ignored, policy.Preferred)
+
+    @property
+    def shown(self) -> str:
+        """What of its text is seen."""
+        end = QtCore.Qt.TextElideMode.ElideRight
+        return self.fontMetrics().elidedText(self.text(), end, self.contentsRect().width())
+
+    def paintEvent(self, event: QtGui.QPaintEvent) -> None:
+        """Draw what fits."""
+        painter = QtWidgets.QStylePainter(self)
+        painter.drawItemText(
+            self.contentsRect(), self.alignment(), self.palette(), self.isEnabled(), self.shown,
+            self.foregroundRole(),
+        )  # fmt: skip
+
+
 class StatusLine:
     """At the foot of one window.
 
@@ -49,11 +72,7 @@ class StatusLine:
 
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
-        self.message_label = (
-            QtWidgets.QLabel()
-        )  # as wide as there is room for, however long the text
-        policy = QtWidgets.QSizePolicy.Policy
-        self.message_label.setSizePolicy(policy.Ignored, policy.Preferred)
+        self.message_label = _OneLine()
         self.state = QtWidgets.QLabel()
         self.state.setObjectName("state")
         self._message_state = self._state = "off"
@@ -114,7 +133,7 @@ class StatusLine:
         _dress(self.state, state, self._workspace.theme)
         self._state, self._next = state, now + _EVERY_S
         seen = ""
-        if picture_s is not None:
+        if picture_s is not None and not plays:
             seen = "   ·   " + say("{fps:.0f} pictures/s", fps=1.0 / picture_s)
         self.state.setText(f"{STATES[state]} {say('Painting')} {text}{seen}")
 
@@ -209,10 +228,3 @@ class ReplayBar(QtWidgets.QWidget):
         left = self._player.left_s
         self.left.setText("" if left is None else say_left(left))
         self.still.setVisible(self._player.is_spreading and (left or 0.0) > _LONG_S)
-
-
-def say_left(seconds: float) -> str:
-    """How long something still takes, in words."""
-    if seconds < 57.5:
-        return say("about {n} s left", n=max(5, 5 * round(seconds / 5.0)))
-    return say("about {n} min left", n=round(seconds / 60.0))

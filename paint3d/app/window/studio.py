@@ -108,7 +108,10 @@ class StudioWindow(QtWidgets.QMainWindow):
             leave_wheel_to_scrolling(dock)
         self._make_jobs()
         self.copying = CopybookGuide(workspace, self.panels.copybook)
-        self.writing = TextWriting(workspace, self.player, self.copying.held)
+        self.writing = TextWriting(
+            workspace, self.player, self.copying.held,
+            lambda em_mm: self.copying.change({"em_mm": em_mm}),
+        )  # fmt: skip
         self.copying.laid_out = self.writing.prepare
         self.sealing.of_signature = self.copying.signature
         self.tour = Tour(workspace, self.opening, self.copying)

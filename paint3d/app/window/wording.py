@@ -30,6 +30,7 @@ __all__ = [
     "say_group",
     "say_hair",
     "say_layer",
+    "say_left",
     "say_length",
     "say_material",
     "say_object",
@@ -261,3 +262,10 @@ def say_length(mm: float) -> str:
     """A length in words, in the unit that was chosen."""
     number = mm / UNITS_MM[_unit[0]]
     return f"{number:.0f} {_unit[0]}" if number >= 100.0 else f"{number:.3g} {_unit[0]}"
+
+
+def say_left(seconds: float) -> str:
+    """How long something still takes, in words."""
+    if seconds < 57.5:
+        return say("about {n} s left", n=max(5, 5 * round(seconds / 5.0)))
+    return say("about {n} min left", n=round(seconds / 60.0))

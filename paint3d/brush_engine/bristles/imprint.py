@@ -91,7 +91,7 @@ class Imprint(NamedTuple):
     """The imprint of one stamp, as arrays that kernels fill in place."""
 
     map: NDArray  # (STATIONS, LANES, 2) float32: ink (mean 1), share covered
-    mix: NDArray  # (LANES, P) float32: what the ink there is made of, shares of sum 1
+    mix: NDArray  # (LANES, P) float32: what the ink there is made of, in proportion
     widths: NDArray  # (STATIONS, 2) float32: half the map's width, and how much more it is at the
     # next station, mm
     cells: NDArray  # (CELLS, 2) float32: station by the place along the bend, from the tip, and

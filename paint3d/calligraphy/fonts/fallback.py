@@ -24,7 +24,7 @@ from paint3d.calligraphy.fonts.shaping import Style
 from paint3d.calligraphy.fonts.typesetting import FontText, has_words, set_text
 from paint3d.calligraphy.glyph_sources import GlyphSource, missing_glyphs, names_of
 from paint3d.calligraphy.glyphs import Glyph
-from paint3d.calligraphy.hand_packages import package_of_the_hand
+from paint3d.calligraphy.optional_packages import import_optional
 from paint3d.calligraphy.page.page import as_multipolygon
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.errors import GlyphError, InputError
@@ -68,7 +68,7 @@ class FittedFont:
     def beside(cls, source: GlyphSource, font: FontFile) -> FittedFont:
         """Fit a font to a source by common characters that both have; without any as it is."""
         pairs = [
-            (_measured(_ink_of(source.load(one))), _measured(_ink(font, one)))
+            (_measure_ink(_ink_of(source.load(one))), _measure_ink(_ink(font, one)))
             for one in _REFERENCE
             if source.has(one) and ord(one) in font.face.unicodes and not font.is_empty(one)
         ]
@@ -85,17 +85,17 @@ class FittedFont:
 
     def load(self, text: str) -> Glyph:
         """A character and the strokes that its shape is made of."""
-        return _fitted(self, text)
+        return _fit_font(self, text)
 
 
 @lru_cache(maxsize=256)  # a text is laid anew each time that it is moved
-def _fitted(font: FittedFont, text: str) -> Glyph:
+def _fit_font(font: FittedFont, text: str) -> Glyph:
     from shapely import transform
 
     ink = _ink(font.font, text)
     growth = 0.0
     if font.weight is not None:
-        *_, own, edge = _measured(ink)
+        *_, own, edge = _measure_ink(ink)
         width = font.scale * own
         more = float(np.polyval(font.weight, edge)) / width - 1.0
         growth = 0.5 * width * min(max(more, _LEAST_GROWTH), _MOST_GROWTH)
@@ -105,7 +105,7 @@ def _fitted(font: FittedFont, text: str) -> Glyph:
 
 
 @lru_cache(maxsize=32)
-def _beside(source: GlyphSource, font: SystemFont) -> FittedFont:
+def _fit_by_common(source: GlyphSource, font: SystemFont) -> FittedFont:
     return FittedFont.beside(source, open_font(font.path, font.number))
 
 
@@ -171,7 +171,7 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
     if not missing:
         return source
     try:
-        package_of_the_hand("uharfbuzz")
+        import_optional("uharfbuzz")
     except InputError as cause:
         raise InputError(
             "{font} has no glyph for {names}, and {cause}",
@@ -179,7 +179,7 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
             names=names_of(missing),
             cause=cause,
         ) from None
-    found = _fonts_for([one for one in missing if _stands_in_a_square(one)])
+    found = _fonts_for([one for one in missing if _is_square_letter(one)])
     lacking = [one for one in missing if one not in found]
     if lacking and (whole := _best_font(text)) is not None:
         raise GlyphError(
@@ -201,7 +201,7 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
             characters="".join(lacking),
         )
     fitted = {
-        font: _beside(source, font)  # type: ignore[arg-type]  # sources are frozen
+        font: _fit_by_common(source, font)  # type: ignore[arg-type]  # sources are frozen
         for font in dict.fromkeys(found.values())
     }
     result = FallbackGlyphs(source, {one: fitted[font] for one, font in found.items()})
@@ -237,12 +237,12 @@ def set_whole(
     InputError
         If the font cannot be used.
     """
-    lacking = [one for one in missing_glyphs(source, text) if not _stands_in_a_square(one)]
+    lacking = [one for one in missing_glyphs(source, text) if not _is_square_letter(one)]
     in_words = around and has_words(text)
     if not (lacking or in_words):
         return None
     try:
-        package_of_the_hand("uharfbuzz")
+        import_optional("uharfbuzz")
     except InputError:  # with_fallback says so, where it matters
         return None
     font = _best_font(text)
@@ -258,7 +258,7 @@ def set_whole(
     return found
 
 
-def _stands_in_a_square(character: str) -> bool:
+def _is_square_letter(character: str) -> bool:
     """Return whether it is a letter or number of Chinese, Japanese or Korean, not a mark."""
     is_wide = unicodedata.east_asian_width(character) in "WF"
     return is_wide and unicodedata.category(character)[0] in "LN"
@@ -280,7 +280,7 @@ def _best_font(text: str) -> SystemFont | None:
     """
     regions = _SIMPLIFIED if _is_simplified(text) else _TRADITIONAL
 
-    in_words = not any(map(_stands_in_a_square, text))
+    in_words = not any(map(_is_square_letter, text))
     chinese = {font.path for font in fonts_with(_REFERENCE[0])} if in_words else set()
 
     def rank(font: SystemFont) -> tuple[object, ...]:
@@ -312,7 +312,7 @@ def _ink_of(glyph: Glyph) -> Geometry:
     return unary_union([Polygon(one.outline, one.holes).buffer(0.0) for one in glyph.strokes])
 
 
-def _measured(ink: Geometry) -> tuple[float, float, float, float, float]:
+def _measure_ink(ink: Geometry) -> tuple[float, float, float, float, float]:
     """Middle (x, y) of ink, size from line to line, mean width of strokes, length of its edge.
 
     The edge is counted in sizes.

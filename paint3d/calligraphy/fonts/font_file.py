@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from paint3d.calligraphy.glyphs import EM_UNITS
-from paint3d.calligraphy.hand_packages import package_of_the_hand
-from paint3d.calligraphy.page.page import bezier_points, fill_rings
+from paint3d.calligraphy.optional_packages import import_optional
+from paint3d.calligraphy.page.page import fill_rings
+from paint3d.calligraphy.polyline import bezier_points
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Message
 
@@ -73,7 +74,7 @@ def list_fonts(text: str = "") -> list[SystemFont]:
     codes = " ".join(f"{ord(c):x}" for c in dict.fromkeys(text) if not c.isspace())
     pattern = ":" + ":".join([*wanted, f"charset={codes}"] if codes else wanted)
     lines = _ask("fc-list", "--format", _FORMAT, pattern).splitlines()
-    fonts = [_parsed(line) for line in lines if line.count(_SEPARATOR) == 3]
+    fonts = [_parse(line) for line in lines if line.count(_SEPARATOR) == 3]
     return sorted(fonts, key=lambda font: (font.family, font.style, str(font.path)))
 
 
@@ -93,7 +94,7 @@ def match_font(name: str, number: int = 0) -> tuple[Path, int]:
     InputError
         If there is none; the message names some that there are.
     """
-    for font in _parsed_all(name):
+    for font in _parse_all(name):
         names = {font.family.casefold(), f"{font.family} {font.style}".casefold()}
         if _family_of(name).casefold() in names or name.casefold() in names:
             return font.path, number or font.number
@@ -111,9 +112,9 @@ def match_font(name: str, number: int = 0) -> tuple[Path, int]:
     )
 
 
-def _parsed_all(name: str) -> list[SystemFont]:
+def _parse_all(name: str) -> list[SystemFont]:
     lines = _ask("fc-match", "--format", _FORMAT, name).splitlines()
-    found = [_parsed(line) for line in lines if line.count(_SEPARATOR) == 3]
+    found = [_parse(line) for line in lines if line.count(_SEPARATOR) == 3]
     whole = [font for font in list_fonts() if f"{font.family} {font.style}" == name]
     return whole or found
 
@@ -123,7 +124,7 @@ def _family_of(pattern: str) -> str:
     return pattern.split(":")[0].split("-")[0].strip()
 
 
-def _parsed(line: str) -> SystemFont:
+def _parse(line: str) -> SystemFont:
     family, style, number, path = line.split(_SEPARATOR)
     return SystemFont(family, style, int(number or 0) & 0xFFFF, Path(path))
 
@@ -222,7 +223,7 @@ class FontFile:
         InputError
             Which they are, and which fonts of the system have them.
         """
-        missing = [c for c in dict.fromkeys(text) if _is_drawn(c) and self._lacks(c)]
+        missing = [c for c in dict.fromkeys(text) if _is_drawn(c) and self._lacks_glyph(c)]
         if not missing:
             return
         names = ", ".join(f"{c!r} (U+{ord(c):04X})" for c in missing[:12])
@@ -231,7 +232,7 @@ class FontFile:
         others = ", ".join(_families_that_draw("".join(missing)))
         if others:
             raise InputError(
-                "{font} has no glyph for {names}; {others} of the system would do",
+                "{font} has no glyph for {names}; fonts that have them: {others}",
                 font=self.name,
                 names=names,
                 others=others,
@@ -245,7 +246,7 @@ class FontFile:
         extents = self.font.get_glyph_extents(self.font.get_nominal_glyph(ord(character)))
         return extents is None or (extents.width == 0 and extents.height == 0)
 
-    def _lacks(self, character: str) -> bool:
+    def _lacks_glyph(self, character: str) -> bool:
         if ord(character) not in self.face.unicodes:
             return not self._has_parts(character)
         kind = unicodedata.category(character)[0]
@@ -283,13 +284,13 @@ def fonts_that_draw(text: str) -> list[SystemFont]:
 
 def draws(one: SystemFont, text: str) -> bool:
     """Return whether a face has ink for all characters of a text; none that cannot be read has."""
-    hb = package_of_the_hand("uharfbuzz")
+    hb = import_optional("uharfbuzz")
     try:
         face = hb.Face(hb.Blob(_font_data(one.path)), one.number)
     except InputError:
         return False
     font = FontFile(one.path, face, hb.Font(face))
-    return not any(_is_drawn(character) and font._lacks(character) for character in text)
+    return not any(_is_drawn(character) and font._lacks_glyph(character) for character in text)
 
 
 def _is_drawn(character: str) -> bool:
@@ -324,7 +325,7 @@ def open_font(
         if path.suffix.lower() in _SUFFIXES:
             raise InputError("{file}: no such file; expected a font", file=path)
         path, number = match_font(str(name), number)
-    hb = package_of_the_hand("uharfbuzz")
+    hb = import_optional("uharfbuzz")
     face = hb.Face(hb.Blob(_font_data(path)), number)
     n_faces = max(1, _n_faces(path))
     if not 0 <= number < n_faces:
@@ -367,7 +368,7 @@ def _font_data(path: Path) -> bytes:
     except OSError as cause:
         raise InputError("{file}: {cause}", file=path, cause=cause) from None
     if data[:4] in _PACKED:
-        return _unpacked(path, data)
+        return _unpack_web_font(path, data)
     if data[:4] not in _KINDS:
         raise InputError(
             "{file}: not a font; expected TrueType or OpenType (.ttf, .otf, .ttc)",
@@ -376,9 +377,9 @@ def _font_data(path: Path) -> bytes:
     return data
 
 
-def _unpacked(path: Path, data: bytes) -> bytes:
+def _unpack_web_font(path: Path, data: bytes) -> bytes:
     """The font in a web font."""
-    tables = package_of_the_hand("fontTools.ttLib")
+    tables = import_optional("fontTools.ttLib")
     out = BytesIO()
     try:
         font = tables.TTFont(BytesIO(data))

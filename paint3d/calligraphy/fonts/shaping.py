@@ -9,7 +9,7 @@ from itertools import groupby
 from typing import NamedTuple
 
 from paint3d.calligraphy.fonts.font_file import FontFile
-from paint3d.calligraphy.hand_packages import package_of_the_hand
+from paint3d.calligraphy.optional_packages import import_optional
 
 __all__ = [
     "DIRECTIONS",
@@ -45,7 +45,7 @@ def levels_of(text: str, base: int) -> list[int]:
     kinds = ["BN" if kind in _PASSED_OVER else kind for kind in kinds]
     kept = [k for k, kind in enumerate(kinds) if kind != "BN"]
     side = "RL"[base == 0]
-    found = _neutral(_weak([kinds[k] for k in kept], side), side)
+    found = _resolve_neutral(_resolve_weak([kinds[k] for k in kept], side), side)
     levels = [base] * len(text)
     for k, kind in zip(kept, found, strict=True):
         if kind == "R":
@@ -64,7 +64,7 @@ def levels_of(text: str, base: int) -> list[int]:
     return levels
 
 
-def _weak(kinds: Sequence[str], side: str) -> list[str]:
+def _resolve_weak(kinds: Sequence[str], side: str) -> list[str]:
     """Numbers, their separators and marks as letters or neutral ones (rules W1 to W7)."""
     found = list(kinds)
     for k, kind in enumerate(found):
@@ -99,7 +99,7 @@ def _weak(kinds: Sequence[str], side: str) -> list[str]:
     return found
 
 
-def _neutral(kinds: Sequence[str], side: str) -> list[str]:
+def _resolve_neutral(kinds: Sequence[str], side: str) -> list[str]:
     """Neutral ones as what stands on both of their sides, or as the line (rules N1 and N2)."""
     found = list(kinds)
     k = 0
@@ -219,12 +219,12 @@ class Shaper:
 
         A mark follows what it stands on.
         """
-        runs = self._runs(text)
+        runs = self._split_runs(text)
         order = visual_order([run.level for run in runs])
         shaped: dict[int, list[ShapedGlyph]] = {}
         pen = 0.0
         for k in order:
-            shaped[k] = self._run(text, runs[k], pen)
+            shaped[k] = self._shape_run(text, runs[k], pen)
             pen += sum(one.advance for one in shaped[k])
             if runs[k].level % 2:
                 shaped[k].reverse()
@@ -237,7 +237,7 @@ class Shaper:
             found[one.cluster] += one.advance
         return found
 
-    def _runs(self, text: str) -> list[_Run]:
+    def _split_runs(self, text: str) -> list[_Run]:
         levels = [0] * len(text)
         if not self.is_vertical:
             levels = levels_of(text, int(self.is_rtl(text)))
@@ -249,9 +249,9 @@ class Shaper:
             start = end
         return runs
 
-    def _run(self, text: str, run: _Run, pen: float) -> list[ShapedGlyph]:
+    def _shape_run(self, text: str, run: _Run, pen: float) -> list[ShapedGlyph]:
         """The glyphs of a run from left to right, or from top to bottom."""
-        hb = package_of_the_hand("uharfbuzz")
+        hb = import_optional("uharfbuzz")
         buffer = hb.Buffer()
         buffer.add_str(text, run.start, run.end - run.start)
         is_rtl = run.level % 2 == 1
@@ -272,7 +272,7 @@ class Shaper:
 
 def _scripts(text: str) -> list[str]:
     """The script of every character; those of none take that of what is before, or after."""
-    script_of = package_of_the_hand("fontTools.unicodedata").script
+    script_of = import_optional("fontTools.unicodedata").script
     scripts = [script_of(c) for c in text]
     for order in (range(1, len(text)), reversed(range(len(text) - 1))):
         for k in order:

@@ -85,7 +85,7 @@ def bodies_of(glyphs: Sequence[ShapedGlyph], font: FontFile) -> list[Body]:
     """
     bodies: list[tuple[int, Body]] = []
     parts: list[_Part] = []
-    shapes = [_placed(one, font) for one in glyphs]
+    shapes = [_place_glyphs(one, font) for one in glyphs]
     bases = _bases(glyphs, [shape.area for shape in shapes])
     for k, (one, shape) in enumerate(zip(glyphs, shapes, strict=True)):
         if shape.is_empty:
@@ -97,7 +97,7 @@ def bodies_of(glyphs: Sequence[ShapedGlyph], font: FontFile) -> list[Body]:
         largest = max(pieces, key=lambda piece: piece.area)
         is_base = bases[k] == k and not font.is_mark(one.glyph)
         parts += [_Part(piece, k, piece is largest and is_base) for piece in pieces]
-    bodies += _joined(parts, glyphs, bases)
+    bodies += _join_touching(parts, glyphs, bases)
     return [body for _, body in sorted(bodies, key=lambda one: one[0])]
 
 
@@ -125,30 +125,30 @@ def _bases(glyphs: Sequence[ShapedGlyph], areas: Sequence[float]) -> list[int]:
     return [largest[one.cluster] for one in glyphs]
 
 
-def _placed(one: ShapedGlyph, font: FontFile) -> MultiPolygon:
+def _place_glyphs(one: ShapedGlyph, font: FontFile) -> MultiPolygon:
     from shapely import transform
 
     at = np.array([one.x, one.y])
     return transform(font.outline(one.glyph), lambda points: points + at)
 
 
-def _joined(
+def _join_touching(
     parts: Sequence[_Part], glyphs: Sequence[ShapedGlyph], bases: Sequence[int]
 ) -> list[tuple[int, Body]]:
     """Parts that touch as bodies, with the others as their marks; each with its first glyph."""
-    groups = _touching(parts, bases)
+    groups = _group_touching(parts, bases)
     homes = {part.glyph: group for group in groups for part in group if part.is_main}
     marks: dict[int, list[list[_Part]]] = {}
     bodies = []
     for group in groups:
-        home = None if any(part.is_main for part in group) else _home(group, homes, bases)
+        home = None if any(part.is_main for part in group) else _body_of_mark(group, homes, bases)
         if home is None:
             bodies.append(group)
         else:
             marks.setdefault(id(home), []).append(group)
     result = []
     for group in bodies:
-        carried = _in_order(marks.get(id(group), []), group, glyphs)
+        carried = _order_marks(marks.get(id(group), []), group, glyphs)
         members = sorted({part.glyph for one in (group, *carried) for part in one})
         shapes = tuple(_union(one) for one in (group, *carried))
         first = min(part.glyph for part in group)
@@ -156,7 +156,7 @@ def _joined(
     return result
 
 
-def _in_order(
+def _order_marks(
     marks: Sequence[list[_Part]], body: Sequence[_Part], glyphs: Sequence[ShapedGlyph]
 ) -> list[list[_Part]]:
     """Marks letter by letter, of each those nearest to the body first, row by row as one reads."""
@@ -171,7 +171,7 @@ def _in_order(
     return sorted(marks, key=turn)
 
 
-def _home(
+def _body_of_mark(
     group: Sequence[_Part], homes: dict[int, list[_Part]], bases: Sequence[int]
 ) -> list[_Part] | None:
     """The body that a mark belongs to: that of its glyph, or of the letter before it."""
@@ -179,7 +179,7 @@ def _home(
     return next((homes[k] for k in range(here, -1, -1) if k in homes), None)
 
 
-def _touching(parts: Sequence[_Part], bases: Sequence[int]) -> list[list[_Part]]:
+def _group_touching(parts: Sequence[_Part], bases: Sequence[int]) -> list[list[_Part]]:
     """Groups of parts whose ink touches, but for marks with letters that they do not belong to.
 
     A tail may run through the dots of the letter after it, which stay that letter's.
@@ -356,7 +356,7 @@ class FontText:
         """The page with lines no longer than `room`, glyph units, where they can be broken."""
         key = tuple(self._lines(room))
         if key not in self._pages:
-            self._pages[key] = self._set(key, Shaper(self.font, self.style))
+            self._pages[key] = self._set_lines(key, Shaper(self.font, self.style))
         return self._pages[key]
 
     def least_size(self, room: float) -> tuple[float, float]:
@@ -392,7 +392,7 @@ class FontText:
         lines = [line.strip() for line in text.splitlines()]
         return "\n".join(lines).strip("\n").split("\n")
 
-    def _set(self, lines: Sequence[str], shaper: Shaper) -> Page:
+    def _set_lines(self, lines: Sequence[str], shaper: Shaper) -> Page:
         """Lines below each other, or columns beside each other from the right."""
         ascender, descender, _ = self.font.extents
         pitch = self._pitch
@@ -414,12 +414,10 @@ class FontText:
                 if in_words:
                     piece = replace(piece, word=(k, _word_of(line, body.glyphs[0].cluster)))
                 pieces.append(piece)
-        return Page(tuple(pieces), self.font.name, self._licence())
-
-    def _licence(self) -> str:
-        if self.templates is None:
-            return self.font.licence
-        return f"{self.font.licence}. Order of known strokes: {self.templates.name}"
+        licence = self.font.licence
+        if self.templates is not None:
+            licence = f"{licence}. Order of known strokes: {self.templates.name}"
+        return Page(tuple(pieces), self.font.name, licence)
 
     def _piece(self, body: Body, text: str, at: AnyArray, middle: float) -> Piece:
         """A body as a piece; the middle of its box lies on the middle of the line."""
@@ -434,17 +432,17 @@ class FontText:
 
     def _glyph(self, body: Body, text: str, middle: float) -> Glyph:
         """The strokes of a body, and its box, from its first glyph's origin."""
-        from shapely import transform
+        from shapely import transform, unary_union
 
         first = body.glyphs[0]
         origin = np.array([first.x, first.y])
         parts = [transform(part, lambda points: points - origin) for part in body.parts]
-        forms = self._forms(body, text)
+        forms = self._known_strokes(body, text)
         strokes: list[GlyphStroke] = []
-        shapes = [_together(parts)] if forms else parts
+        shapes = [as_multipolygon(unary_union(parts))] if forms else parts  # known lines: of both
         ways = [forms or self._way_through(body, text), *[()] * (len(shapes) - 1)]
         for shape, known in zip(shapes, ways, strict=True):
-            strokes += with_stubs(_taken_apart(shape, known, first.is_rtl), _BOLD)
+            strokes += with_stubs(_decompose(shape, known, first.is_rtl), _BOLD)
         left, lower, right, upper = bounds_of(part.bounds for part in parts)
         if self.runs_down:
             half = max(-(left + first.x - middle), right + first.x - middle)
@@ -454,7 +452,7 @@ class FontText:
             lower, upper = middle - first.y - half, middle - first.y + half
         return Glyph(text, tuple(strokes), (left, lower, right, upper))
 
-    def _forms(self, body: Body, text: str) -> tuple[Glyph, ...]:
+    def _known_strokes(self, body: Body, text: str) -> tuple[Glyph, ...]:
         """The strokes of a character that is known; none of what is joined of several."""
         single = len(body.glyphs) == 1 and len(text) == 1
         if not single or self.templates is None or body.glyphs[0].script not in _TAUGHT:
@@ -475,13 +473,13 @@ class FontText:
             largest = max(polygons_of(ink), key=lambda piece: piece.area)
             at = np.tile([one.x - first.x, one.y - first.y], 2)
             end = min((c for c in starts if c > one.cluster), default=len(text) + starts[0])
-            letter = _joining(text, one.cluster - starts[0], end - starts[0])
+            letter = _letters_of(text, one.cluster - starts[0], end - starts[0])
             letters.append(PlacedLetter(*letter, np.array(largest.bounds) + at))
         way = body_strokes(letters)
         return () if way is None else (way,)
 
 
-def _joining(text: str, start: int, end: int) -> tuple[str, str]:
+def _letters_of(text: str, start: int, end: int) -> tuple[str, str]:
     """The letters of a body's text that a glyph stands for, and their form."""
     bare = [
         "".join(c for c in part if not unicodedata.combining(c))
@@ -491,31 +489,24 @@ def _joining(text: str, start: int, end: int) -> tuple[str, str]:
     return letters, form_of(before, letters, after)
 
 
-def _taken_apart(part: MultiPolygon, forms: Sequence[Glyph], is_rtl: bool) -> list[GlyphStroke]:
+def _decompose(part: MultiPolygon, forms: Sequence[Glyph], is_rtl: bool) -> list[GlyphStroke]:
     """The strokes of ink; what is written from the right is taken apart as in a mirror."""
     from shapely import transform
 
     if not is_rtl:
         return decompose(part, template=forms)
     mirrored = transform(part, lambda points: points * _MIRROR)
-    turned = [replace(form, strokes=_mirrored(form.strokes)) for form in forms]
-    return list(_mirrored(decompose(mirrored, template=turned, runs_on=True)))
+    turned = [replace(form, strokes=_mirror(form.strokes)) for form in forms]
+    return list(_mirror(decompose(mirrored, template=turned, runs_on=True)))
 
 
-def _mirrored(strokes: Sequence[GlyphStroke]) -> tuple[GlyphStroke, ...]:
+def _mirror(strokes: Sequence[GlyphStroke]) -> tuple[GlyphStroke, ...]:
     return tuple(
         GlyphStroke(
             one.outline * _MIRROR, one.median * _MIRROR, tuple(hole * _MIRROR for hole in one.holes)
         )
         for one in strokes
     )
-
-
-def _together(parts: Sequence[MultiPolygon]) -> MultiPolygon:
-    """A body with its marks: the lines of a known character are those of both."""
-    from shapely import unary_union
-
-    return as_multipolygon(unary_union(parts))
 
 
 def _placement(body: Body) -> list[tuple[int, float, float]]:

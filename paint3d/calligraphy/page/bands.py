@@ -48,7 +48,7 @@ def fill_in_bands(area: Polygon) -> list[GlyphStroke]:
     """
     from shapely import box, transform
 
-    turn = _turn(area)
+    turn = _longest_axis(area)
     lying = transform(area, lambda points: points @ turn.T)
     left, lower, right, upper = lying.bounds
     n = max(1, math.ceil((upper - lower) / (0.8 * WIDEST)))
@@ -60,11 +60,11 @@ def fill_in_bands(area: Polygon) -> list[GlyphStroke]:
         parts = polygons_of(lying.intersection(box(left, bottom, right, top)))
         for part in sorted(parts, key=lambda part: part.bounds[0]):
             if part.area > _LEAST_AREA * width**2:
-                strokes.append(_band(part, turn))
+                strokes.append(_make_band(part, turn))
     return strokes
 
 
-def _turn(area: Polygon) -> AnyArray:
+def _longest_axis(area: Polygon) -> AnyArray:
     """The rotation (2, 2) that lays the longest side of an area along x."""
     corners = np.asarray(area.minimum_rotated_rectangle.exterior.coords)
     sides = np.diff(corners[:3], axis=0)
@@ -75,7 +75,7 @@ def _turn(area: Polygon) -> AnyArray:
     return np.array([way, [-way[1], way[0]]])
 
 
-def _band(part: Polygon, turn: AnyArray) -> GlyphStroke:
+def _make_band(part: Polygon, turn: AnyArray) -> GlyphStroke:
     """One band as a stroke through the middles of its sections."""
     from shapely import LineString
 

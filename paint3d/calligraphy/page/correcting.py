@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Box, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece
+from paint3d.calligraphy.polyline import arc_lengths, points_at
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -73,7 +74,7 @@ class CorrectedPage:
     def of(cls, page: Page) -> CorrectedPage:
         """A page before any correction."""
         strokes = tuple(
-            CorrectedStroke(_moved(stroke, _to_page(piece)), k)
+            CorrectedStroke(_translate(stroke, _to_page(piece)), k)
             for k, piece in enumerate(page.pieces)
             for stroke in piece.glyph.strokes
         )
@@ -91,7 +92,7 @@ class CorrectedPage:
 
     @property
     def numbers(self) -> list[int]:
-        """Of every stroke its place in its piece, counted from 1."""
+        """Position of each stroke in its piece, counted from 1."""
         counts = [0] * len(self.base.pieces)
         numbers = []
         for one in self.strokes:
@@ -100,14 +101,16 @@ class CorrectedPage:
         return numbers
 
     def text(self, k: int) -> str:
-        """Of the piece that a stroke belongs to."""
+        """Text of the piece that a stroke belongs to."""
         return self.base.pieces[self.strokes[k].piece].glyph.text
 
     # -- corrections ------------------------------------------------------------------------
 
     def reverse(self, k: int) -> CorrectedPage:
         """Stroke k written the other way."""
-        return self._with(k, replace(self.strokes[k], stroke=_turned(self.strokes[k].stroke)))
+        return self._with(
+            k, replace(self.strokes[k], stroke=_reverse_order(self.strokes[k].stroke))
+        )
 
     def leave_out(self, k: int, on: bool = True) -> CorrectedPage:
         """Stroke k left out, or taken in again."""
@@ -147,9 +150,10 @@ class CorrectedPage:
             If they are the same, or one has no area.
         """
         if k == other:
-            raise InputError("a stroke was to be joined to itself; expected another one")
+            raise InputError("a stroke cannot be joined to itself; choose another one")
         joined = replace(
-            self.strokes[k], stroke=_joined(self.strokes[k].stroke, self.strokes[other].stroke)
+            self.strokes[k],
+            stroke=_join_strokes(self.strokes[k].stroke, self.strokes[other].stroke),
         )
         strokes = [joined if j == k else one for j, one in enumerate(self.strokes) if j != other]
         return self._of(strokes), strokes.index(joined)
@@ -179,7 +183,7 @@ class CorrectedPage:
         there = shapely.Point(*point)
         best, found = (np.inf, np.inf), None
         for k, one in enumerate(self.strokes):
-            off = shapely.distance(_region(one.stroke), there)
+            off = shapely.distance(one.stroke.polygon(), there)
             line = shapely.distance(shapely.LineString(one.stroke.median), there)
             if off <= reach and (off, line) < best:
                 best, found = (float(off), float(line)), k
@@ -206,8 +210,8 @@ class CorrectedPage:
         if mine == [one for one in self._first if one.piece == p]:
             return piece
         back = -_to_page(piece)
-        strokes = tuple(_moved(one.stroke, back) for one in mine if not one.is_left_out)
-        box = _around(piece.glyph.box, strokes)
+        strokes = tuple(_translate(one.stroke, back) for one in mine if not one.is_left_out)
+        box = _bound_strokes(piece.glyph.box, strokes)
         glyph = replace(piece.glyph, strokes=strokes, box=box)
         moved = np.array(glyph.middle) - piece.glyph.middle
         return Piece(glyph, (piece.at[0] + float(moved[0]), piece.at[1] + float(moved[1])))
@@ -231,12 +235,12 @@ class Steps(Generic[State]):
     """
 
     def __init__(self, first: State) -> None:
-        self._states, self._at = [first], 0
+        self._states, self._points_at = [first], 0
 
     @property
     def now(self) -> State:
         """The state that counts."""
-        return self._states[self._at]
+        return self._states[self._points_at]
 
     @property
     def first(self) -> State:
@@ -246,25 +250,25 @@ class Steps(Generic[State]):
     @property
     def can_undo(self) -> bool:
         """Return whether there is a state before."""
-        return self._at > 0
+        return self._points_at > 0
 
     @property
     def can_redo(self) -> bool:
         """Return whether something was undone."""
-        return self._at + 1 < len(self._states)
+        return self._points_at + 1 < len(self._states)
 
     def take(self, state: State) -> None:
         """Go on to another state; what was undone is forgotten."""
-        self._states[self._at + 1 :] = [state]
-        self._at += 1
+        self._states[self._points_at + 1 :] = [state]
+        self._points_at += 1
 
     def undo(self) -> None:
         """Go back by one, where there is one."""
-        self._at -= self.can_undo
+        self._points_at -= self.can_undo
 
     def redo(self) -> None:
         """Go forth by one, where there is one."""
-        self._at += self.can_redo
+        self._points_at += self.can_redo
 
 
 # -- strokes ------------------------------------------------------------------------------------
@@ -275,16 +279,16 @@ def _to_page(piece: Piece) -> NDArray[np.float64]:
     return np.array(piece.at) - piece.glyph.middle
 
 
-def _moved(stroke: GlyphStroke, by: AnyArray) -> GlyphStroke:
+def _translate(stroke: GlyphStroke, by: AnyArray) -> GlyphStroke:
     holes = tuple(hole + by for hole in stroke.holes)
     return replace(stroke, outline=stroke.outline + by, median=stroke.median + by, holes=holes)
 
 
-def _turned(stroke: GlyphStroke) -> GlyphStroke:
+def _reverse_order(stroke: GlyphStroke) -> GlyphStroke:
     return replace(stroke, median=stroke.median[::-1], dryness=stroke.dryness[::-1])
 
 
-def _around(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
+def _bound_strokes(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
     """A box; a larger one where strokes that came from another piece stand far out of it."""
     if not strokes:
         return box
@@ -296,31 +300,11 @@ def _around(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
 
 
-def _region(stroke: GlyphStroke) -> Polygon:
-    """A stroke's region as one shape."""
-    import shapely
-
-    area = shapely.Polygon(stroke.outline, stroke.holes)
-    return area if area.is_valid else area.buffer(0.0)
-
-
 def _as_stroke(
     region: Polygon, median: AnyArray, dryness: Sequence[float], strength: float
 ) -> GlyphStroke:
     rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
     return GlyphStroke(rings[0], median, tuple(rings[1:]), tuple(dryness), strength)
-
-
-def _way(line: AnyArray) -> NDArray[np.float64]:
-    """Arc length of each point of a line (M, 2)."""
-    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    return np.concatenate([[0.0], np.cumsum(steps)])
-
-
-def _at(line: AnyArray, way: AnyArray) -> NDArray[np.float64]:
-    """Places (K, 2) so far along a line."""
-    along = _way(line)
-    return np.column_stack([np.interp(way, along, line[:, axis]) for axis in (0, 1)])
 
 
 def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphStroke]:
@@ -339,14 +323,14 @@ def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphS
     cut, length = float(line.project(shapely.Point(*point))), float(line.length)
     if not _NEAREST_END * length < cut < (1.0 - _NEAREST_END) * length:
         raise InputError("the cut lies at the stroke's end; expected a place between its ends")
-    middle = _at(stroke.median, np.array([cut]))
-    along = _way(stroke.median)
+    middle = points_at(stroke.median, np.array([cut]))
+    along = arc_lengths(stroke.median)
     lines = (
         np.concatenate([stroke.median[along < cut], middle]),
         np.concatenate([middle, stroke.median[along > cut]]),
     )
-    regions = _parted(_region(stroke), stroke.median, cut)
-    drynesses = _shared_out(stroke.dryness, cut / length)
+    regions = _part_region(stroke.polygon(), stroke.median, cut)
+    drynesses = _part_dryness(stroke.dryness, cut / length)
     first, second = (
         _as_stroke(region, own, dry, stroke.strength)
         for region, own, dry in zip(regions, lines, drynesses, strict=True)
@@ -354,17 +338,17 @@ def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphS
     return first, second
 
 
-def _parted(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon, Polygon]:
+def _part_region(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon, Polygon]:
     """A region in two, by which part of its line is nearest: the cells of points along it."""
     import shapely
 
-    length = float(_way(median)[-1])
+    length = float(arc_lengths(median)[-1])
     step = max(length / _MOST_SAMPLES, 0.125 * float(region.area) / length)
     before = np.arange(cut - 0.5 * step, 0.0, -step)  # the cut is the border of two cells
     after = np.arange(cut + 0.5 * step, length, step)
     if not len(before) or not len(after):
         before, after = np.array([0.5 * cut]), np.array([1.5 * cut])
-    places = np.round(_at(median, np.concatenate([before, after])) / _GRID) * _GRID
+    places = np.round(points_at(median, np.concatenate([before, after])) / _GRID) * _GRID
     _, first = np.unique(places, axis=0, return_index=True)  # of a line that comes back on itself
     kept = np.sort(first)
     points = shapely.points(places[kept])
@@ -375,7 +359,7 @@ def _parted(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon, Pol
     mine = shapely.union_all(cells[cell[kept[of_point] < len(before)]])
     one = shapely.intersection(region, mine, grid_size=_GRID)
     other = shapely.difference(region, mine, grid_size=_GRID)
-    return _two_wholes(_polygons(one), _polygons(other))
+    return _merge_small_parts(_polygons(one), _polygons(other))
 
 
 def _polygons(shape: Any) -> list[Polygon]:
@@ -387,7 +371,7 @@ def _polygons(shape: Any) -> list[Polygon]:
     return sorted(areas, key=lambda part: -part.area)
 
 
-def _two_wholes(one: list[Polygon], other: list[Polygon]) -> tuple[Polygon, Polygon]:
+def _merge_small_parts(one: list[Polygon], other: list[Polygon]) -> tuple[Polygon, Polygon]:
     """The largest part of each; smaller ones go to that which they touch most."""
     if not one or not other:
         raise InputError("the cut parts nothing; expected a place within the stroke's ink")
@@ -404,11 +388,11 @@ def _two_wholes(one: list[Polygon], other: list[Polygon]) -> tuple[Polygon, Poly
         if length > 0.0 and len(grown) == 1:
             wholes[w] = grown[0]
         elif bit.area > _CRUMB:
-            wholes[w] = _bridged(wholes[w], bit, 0.1 * float(np.sqrt(bit.area)))
+            wholes[w] = _bridge_regions(wholes[w], bit, 0.1 * float(np.sqrt(bit.area)))
     return wholes[0], wholes[1]
 
 
-def _shared_out(
+def _part_dryness(
     dryness: Sequence[float], share: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
     """Shares left bare at even stations, of the two parts of a stroke."""
@@ -418,43 +402,48 @@ def _shared_out(
     first = min(max(round(n * share), 1), max(n - 1, 1))
     counts = first, max(n - first, 1)
     spans = (0.0, share), (share, 1.0)
-    parts = [_stations(dryness, low, high, m) for (low, high), m in zip(spans, counts, strict=True)]
+    parts = [
+        _resample_dryness(dryness, low, high, m)
+        for (low, high), m in zip(spans, counts, strict=True)
+    ]
     return parts[0], parts[1]
 
 
-def _stations(dryness: Sequence[float], low: float, high: float, n: int) -> tuple[float, ...]:
+def _resample_dryness(
+    dryness: Sequence[float], low: float, high: float, n: int
+) -> tuple[float, ...]:
     """Shares at n even stations of a part of a stroke, from those of all of it."""
     at = low + (np.arange(n) + 0.5) / n * (high - low)
     known = (np.arange(len(dryness)) + 0.5) / len(dryness)
     return tuple(np.round(np.interp(at, known, dryness), 3).tolist())
 
 
-def _joined(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
+def _join_strokes(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
     """Two strokes as one, in the direction of the first."""
     pairs = (
-        (one, other), (one, _turned(other)), (other, one), (_turned(other), one),
+        (one, other), (one, _reverse_order(other)), (other, one), (_reverse_order(other), one),
     )  # fmt: skip
     gaps = [float(np.linalg.norm(a.median[-1] - b.median[0])) for a, b in pairs]
     a, b = pairs[int(np.argmin(gaps))]
-    shapes = _region(a), _region(b)
+    shapes = a.polygon(), b.polygon()
     if min(shape.area for shape in shapes) <= 0.0:
         raise InputError("a stroke without area was to be joined; expected one with ink")
     merged = _polygons(shapes[0].union(shapes[1], grid_size=_GRID))
-    lengths = [float(_way(part.median)[-1]) for part in (a, b)]
+    lengths = [float(arc_lengths(part.median)[-1]) for part in (a, b)]
     region = merged[0]
     if len(merged) > 1:
         widths = [s.area / max(w, 1e-9) for s, w in zip(shapes, lengths, strict=True)]
-        region = _bridged(*shapes, 0.4 * min(widths), (a.median[-1], b.median[0]))
+        region = _bridge_regions(*shapes, 0.4 * min(widths), (a.median[-1], b.median[0]))
     gap = min(gaps)
     following = b.median[1:] if gap <= _GRID else b.median
     dryness: tuple[float, ...] = ()
     if a.dryness or b.dryness:
-        dryness = _one_after_another((a.dryness, b.dryness), lengths)
+        dryness = _concatenate_dryness((a.dryness, b.dryness), lengths)
     strength = float(np.average([a.strength, b.strength], weights=np.maximum(lengths, 1e-9)))
     return _as_stroke(region, np.concatenate([a.median, following]), dryness, strength)
 
 
-def _one_after_another(
+def _concatenate_dryness(
     drynesses: Sequence[Sequence[float]], lengths: Sequence[float]
 ) -> tuple[float, ...]:
     """Shares at even stations of two strokes as one; a stroke that does not say is wet."""
@@ -466,7 +455,7 @@ def _one_after_another(
     return tuple(np.round(np.interp(wanted, places, np.concatenate(known)), 3).tolist())
 
 
-def _bridged(
+def _bridge_regions(
     one: Polygon,
     other: Polygon,
     half_width: float,

@@ -13,13 +13,13 @@ from dataclasses import dataclass, replace
 
 from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph
 from paint3d.calligraphy.layout import (
-    Ground,
     Layout,
+    WritingArea,
+    find_writing_areas,
     frames_to_try,
-    grounds_of,
     upright_frame,
     walking_step,
-    with_remedy,
+    with_suggestion,
 )
 from paint3d.calligraphy.page.page import Composer, Page, Piece, bounds_of
 from paint3d.errors import InputError, MeshError
@@ -48,7 +48,7 @@ class PlacedPiece:
 
 def lay_page(
     surface: ClosestPoints,
-    text: Composer,
+    composer: Composer,
     em_mm: float,
     layout: Layout | None = None,
     limits: SquareLimits | None = None,
@@ -58,7 +58,7 @@ def lay_page(
     Parameters
     ----------
     surface : ClosestPoints
-    text : Composer
+    composer : Composer
         A page, or a text whose lines are broken to the room that there is.
     em_mm : float
         1024 glyph units, mm.
@@ -82,19 +82,19 @@ def lay_page(
     """
     layout, limits = layout or Layout(), limits or SquareLimits()
     try:
-        return _laid_page(surface, text, em_mm, layout, limits)
+        return _lay_on_area(surface, composer, em_mm, layout, limits)
     except InputError as cause:
         fault = cause
 
     def fits(em_mm: float, layout: Layout) -> bool:
-        return bool(_laid_page(surface, text, em_mm, layout, limits, most_places=1))
+        return bool(_lay_on_area(surface, composer, em_mm, layout, limits, most_places=1))
 
-    raise with_remedy(fault, em_mm, layout, fits)
+    raise with_suggestion(fault, em_mm, layout, fits)
 
 
-def _laid_page(
+def _lay_on_area(
     surface: ClosestPoints,
-    text: Composer,
+    composer: Composer,
     em_mm: float,
     layout: Layout,
     limits: SquareLimits,
@@ -102,13 +102,13 @@ def _laid_page(
 ) -> tuple[Page, list[PlacedPiece]]:
     fault: MeshError | None = None
     composed: Page | None = None  # in one line, or broken as little as was tried
-    grounds, layout = grounds_of(surface, layout)
-    ground = grounds[0]  # of a couplet, the panel on the right
-    for n, frame in enumerate(_places(ground, layout)):
+    areas, layout = find_writing_areas(surface, layout)
+    area = areas[0]  # of a couplet, the panel on the right
+    for n, frame in enumerate(_places(area, layout)):
         if n == most_places:
             break
-        sheet = _Sheet(ground, em_mm, layout, limits, frame)
-        for page in sheet.pages(text):
+        sheet = _Sheet(area, em_mm, layout, limits, frame)
+        for page in sheet.pages(composer):
             composed = composed or page
             try:
                 return page, sheet.lay(page)
@@ -121,19 +121,19 @@ def _laid_page(
             object=surface.mesh.name,
         )
     if composed is None:
-        raise _far_too_large(surface, text, em_mm, fault)
+        raise _far_too_large(surface, composer, em_mm, fault)
     raise _too_large(surface, composed, em_mm, fault)
 
 
-def _places(ground: Ground, layout: Layout) -> Iterator[SurfaceFrame]:
+def _places(area: WritingArea, layout: Layout) -> Iterator[SurfaceFrame]:
     """Places where the page's middle may lie: the one asked for, or one after another."""
     if layout.is_placed or layout.around:
-        yield ground.middle(layout)
+        yield area.middle(layout)
         return
-    turned = bool(layout.turn) or ground.apex is not None
-    for frame in frames_to_try(ground.surface, layout.side):
-        upright = ground.upright(frame.normal, layout)
-        yield upright_frame(ground.surface, frame.origin, upright) if turned else frame
+    turned = bool(layout.turn) or area.apex is not None
+    for frame in frames_to_try(area.surface, layout.side):
+        upright = area.upright(frame.normal, layout)
+        yield upright_frame(area.surface, frame.origin, upright) if turned else frame
 
 
 def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshError) -> InputError:
@@ -152,13 +152,13 @@ def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshErro
 
 
 def _far_too_large(
-    surface: ClosestPoints, text: Composer, em_mm: float, fault: MeshError
+    surface: ClosestPoints, composer: Composer, em_mm: float, fault: MeshError
 ) -> InputError:
-    """The same of a text that was not even set, whose advances say enough."""
+    """Error for a text whose advances alone show that it is too large."""
     return InputError(
         "the text is {length:,.0f} mm long at this size, which does not fit on {object} ({fault}); "
         "expected less to write or a smaller size",
-        length=em_mm / EM_UNITS * text.least_size(math.inf)[0],
+        length=em_mm / EM_UNITS * composer.least_size(math.inf)[0],
         object=surface.mesh.name,
         fault=fault,
     )
@@ -169,54 +169,54 @@ class _Sheet:
 
     def __init__(
         self,
-        ground: Ground,
+        area: WritingArea,
         em_mm: float,
         layout: Layout,
         limits: SquareLimits,
         middle: SurfaceFrame,
     ) -> None:
-        self.surface = ground.surface
+        self.surface = area.surface
         self.em_mm, self.layout, self.limits = em_mm, layout, limits
         self.middle, self.scale = middle, em_mm / EM_UNITS
-        self.up = ground.upright(middle.normal, layout)
+        self.up = area.upright(middle.normal, layout)
         self.too_small: MeshError | None = None  # why pages were not even composed
         self._climbs: dict[float, SurfaceLine] = {}
         self._levels: dict[tuple[float, float], SurfaceLine] = {}
 
-    def pages(self, text: Composer) -> Iterator[Page]:
+    def pages(self, composer: Composer) -> Iterator[Page]:
         """The text in one line, then broken to more and more, but for what is far too large.
 
         Of that not even the glyphs are placed, which takes seconds for thousands.
         """
-        room = self._room(text)
+        room = self._room(composer)
         page: Page | None = None
         for share in (math.inf, *_SHARES):
             length = share * room / self.scale
-            along, across = (self.scale * size for size in text.least_size(length))
-            if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._depth(text):
-                self.too_small = self.too_small or self._ends()
+            along, across = (self.scale * size for size in composer.least_size(length))
+            if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._depth(composer):
+                self.too_small = self.too_small or self._line_ends()
                 continue
-            following = text.compose(length)
+            following = composer.compose(length)
             if following is not page:
                 page = following
                 yield page
 
-    def _depth(self, text: Composer) -> float:
+    def _depth(self, composer: Composer) -> float:
         """Room across the lines, mm."""
-        if not text.runs_down:
+        if not composer.runs_down:
             return sum(self._climb(sign).length for sign in (1.0, -1.0))
         right = self._level(0.0, 1.0)
         return right.length if right.closed else right.length + self._level(0.0, -1.0).length
 
-    def _ends(self) -> MeshError:
+    def _line_ends(self) -> MeshError:
         return MeshError(
             "{object}: the surface ends within the text",
             object=self.surface.mesh.name,
         )
 
-    def _room(self, text: Composer) -> float:
+    def _room(self, composer: Composer) -> float:
         """Greatest length of a line of text, mm."""
-        if text.runs_down:
+        if composer.runs_down:
             return sum(self._climb(sign).length for sign in (1.0, -1.0))
         right = self._level(0.0, 1.0)
         if right.closed:
@@ -233,12 +233,12 @@ class _Sheet:
         """
         in_words = self.layout.around and all(piece.word is not None for piece in page.pieces)
         if self.layout.around and not in_words:
-            page = self._spread(page)
+            page = self._spread_around(page)
         fault: MeshError | None = None
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
                 laid = self._ribbon(page, move * self.em_mm) if in_words else page
-                placed = [self._laid(piece, laid, move * self.em_mm) for piece in laid.pieces]
+                placed = [self._lay_piece(piece, laid, move * self.em_mm) for piece in laid.pieces]
                 self._check_apart(laid, placed)
                 return placed
             except MeshError as cause:
@@ -267,7 +267,7 @@ class _Sheet:
                 two=two,
             )
 
-    def _spread(self, page: Page) -> Page:
+    def _spread_around(self, page: Page) -> Page:
         """A page drawn out until it goes all around the body."""
         left, _, right, _ = page.bounds
         gap = self.layout.gap * EM_UNITS
@@ -325,6 +325,7 @@ class _Sheet:
                 "{object}: the level line of the place does not come back to its start; expected a "
                 "body that can be written around",
                 object=self.surface.mesh.name,
+                hint="where it lies on its side, --up says which axis of the file points up",
             )
         wanted = ring.length / self.scale
         if least > wanted * (1.0 + _ROUNDING):
@@ -336,7 +337,7 @@ class _Sheet:
             )
         return wanted
 
-    def _laid(self, piece: Piece, page: Page, move: float) -> PlacedPiece:
+    def _lay_piece(self, piece: Piece, page: Page, move: float) -> PlacedPiece:
         left, lower, right, upper = page.bounds
         in_ribbon = self.layout.around and piece.word is not None
         x = self.scale * (piece.at[0] - (0.0 if in_ribbon else 0.5 * (left + right)))
@@ -346,10 +347,11 @@ class _Sheet:
             level, x = self._level(round(y, 6), -1.0), -x
         too_wide = not in_ribbon and self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
         if too_wide if level.closed else x > level.length:
-            raise self._ends()
+            raise self._line_ends()
         frame = upright_frame(self.surface, level.at(x), self.up)
-        size = [self.scale * (high - low) for low, high in zip(*_corners(piece), strict=True)]
-        square = lay_square(self.surface, frame, self.em_mm, self.limits, (size[0], size[1]))
+        box = piece.glyph.box
+        size = self.scale * (box[2] - box[0]), self.scale * (box[3] - box[1])
+        square = lay_square(self.surface, frame, self.em_mm, self.limits, size)
         return PlacedPiece(piece.glyph, square)
 
     def _level(self, height: float, sign: float) -> SurfaceLine:
@@ -357,7 +359,7 @@ class _Sheet:
         if (height, sign) not in self._levels:
             climb = self._climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
-                raise self._ends()
+                raise self._line_ends()
             frame = upright_frame(self.surface, climb.at(abs(height)), self.up)
             self._levels[height, sign] = self._walk(frame, (sign, 0.0))
         return self._levels[height, sign]
@@ -370,8 +372,3 @@ class _Sheet:
 
     def _walk(self, start: SurfaceFrame, bearing: tuple[float, float]) -> SurfaceLine:
         return walk(self.surface, start, self.up, bearing, None, walking_step(self.em_mm))
-
-
-def _corners(piece: Piece) -> tuple[tuple[float, float], tuple[float, float]]:
-    left, lower, right, upper = piece.glyph.box
-    return (left, lower), (right, upper)

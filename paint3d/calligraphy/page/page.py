@@ -5,7 +5,6 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -25,7 +24,6 @@ __all__ = [
     "Photograph",
     "Piece",
     "as_multipolygon",
-    "bezier_points",
     "bounds_of",
     "digest_of",
     "fill_rings",
@@ -38,29 +36,6 @@ __all__ = [
 
 
 _LEAST_SHARE = 1e-5  # of the largest polygon's area: smaller ones are dust of the arithmetic
-
-
-def bezier_points(controls: AnyArray, flatness: float) -> NDArray[np.float64]:
-    """Points (N, 2) of a Bezier curve after its start, no farther from it than `flatness`.
-
-    Parameters
-    ----------
-    controls : (2..4, 2) float64
-        Its control points, the start first: a line, or a quadratic or cubic curve.
-    flatness : float
-        In their unit.
-    """
-    hull: list[AnyArray] = list(np.asarray(controls, np.float64))
-    degree = len(hull) - 1
-    if degree < 2:
-        return np.array(hull[1:])
-    bend = np.linalg.norm(np.diff(np.array(hull), n=2, axis=0), axis=1).max()
-    n = int(min(max(1.0, np.ceil(np.sqrt(degree * (degree - 1) * bend / (8.0 * flatness)))), 500))
-    t = np.linspace(0.0, 1.0, n + 1)[1:, None]
-    while len(hull) > 1:
-        hull = [(1.0 - t) * a + t * b for a, b in pairwise(hull)]
-    result: NDArray[np.float64] = hull[0]
-    return result
 
 
 def fill_rings(rings: Sequence[AnyArray], *, even_odd: bool = False) -> MultiPolygon:
@@ -217,7 +192,7 @@ class Page:
 
     @property
     def runs_down(self) -> bool:
-        """Of a page that is set already it does not matter."""
+        """False: the lines of a page are set already."""
         return False
 
     @property
@@ -226,11 +201,11 @@ class Page:
         return bounds_of(piece.box for piece in self.pieces)
 
     def compose(self, room: float) -> Page:
-        """The page itself: it is set already."""
+        """Return the page itself, whose lines are set already."""
         return self
 
     def least_size(self, room: float) -> tuple[float, float]:
-        """Nothing that would say less than the page does."""
+        """No lower bound: the size of a page is known."""
         return 0.0, 0.0
 
 

@@ -57,10 +57,10 @@ def _photograph_words(photograph: Photograph, file: Path) -> dict[str, Any]:
         there = photograph.file.name
     return {
         "file": there,
-        "corners": _rounded(photograph.corners),
+        "corners": _round(photograph.corners),
         "size": list(photograph.size),
         "per_unit": photograph.per_unit,
-        "origin": _rounded(photograph.origin),
+        "origin": _round(photograph.origin),
         "invert": photograph.invert,
         "sha256": photograph.digest,
     }
@@ -88,16 +88,16 @@ def _piece_words(piece: Piece) -> dict[str, Any]:
     strokes = [_stroke_words(k + 1, stroke) for k, stroke in enumerate(glyph.strokes)]
     words = {
         "text": glyph.text,
-        "at": _rounded(np.array(piece.at)),
-        "box": _rounded(np.array(glyph.box)),
+        "at": _round(np.array(piece.at)),
+        "box": _round(np.array(glyph.box)),
         "strokes": strokes,
     }
     return {**words, "solid": True} if glyph.solid else words
 
 
 def _stroke_words(order: int, stroke: GlyphStroke) -> dict[str, Any]:
-    rings = [_rounded(ring) for ring in (stroke.outline, *stroke.holes)]
-    words: dict[str, Any] = {"order": order, "line": _rounded(stroke.median), "rings": rings}
+    rings = [_round(ring) for ring in (stroke.outline, *stroke.holes)]
+    words: dict[str, Any] = {"order": order, "line": _round(stroke.median), "rings": rings}
     if stroke.dryness:
         words["dryness"] = list(stroke.dryness)
     if stroke.strength < 1.0:
@@ -105,7 +105,7 @@ def _stroke_words(order: int, stroke: GlyphStroke) -> dict[str, Any]:
     return words
 
 
-def _rounded(values: NDArray[np.float64]) -> Any:
+def _round(values: NDArray[np.float64]) -> Any:
     return (np.round(values, _DECIMALS) + 0.0).tolist()
 
 

@@ -13,12 +13,15 @@ from copy import deepcopy
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-__all__ = ["CLIPS", "mark_clipped", "tag_like", "tag_of"]
+__all__ = ["CLIPS", "HREFS", "SHAPES", "mark_clipped", "tag_like", "tag_of"]
 
 CLIPS = "data-paint3d-clips"
 """The attribute with the places, in what `mark_clipped` returns, of all paths that clip a shape."""
-_HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
-_USING = (*_HREFS, "x", "y", "width", "height")
+HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
+"""Attributes that refer to another element."""
+SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
+"""Tags of the elements that are drawn."""
+_USING = (*HREFS, "x", "y", "width", "height")
 _REFERENCE = re.compile(r"""\s*url\(\s*['"]?#([^'")]+)['"]?\s*\)\s*""")
 _STYLED = re.compile(r"(?:^|;)\s*clip-path\s*:\s*([^;!]*)", re.IGNORECASE)
 _RULE = re.compile(r"(?:^|;)\s*clip-rule\s*:\s*([^;!\s]*)", re.IGNORECASE)
@@ -43,7 +46,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
         What clips and is no such path: its words.
     """
     named = {key: element for element in root.iter() if (key := element.get("id"))}
-    if any(map(_said, root.iter())):
+    if any(map(_property_of, root.iter())):
         _put_in_place(root, named)
     paths: list[bytes] = []
     others: set[str] = set()
@@ -51,7 +54,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
     def walk(element: Element, above: Sequence[Element], clips: tuple[int, ...]) -> None:
         if tag_of(element) == "clipPath":
             return
-        text = _said(element)
+        text = _property_of(element)
         here = [*above, element]
         seen: set[str] = set()
         while text and text != "none":
@@ -65,7 +68,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
             seen.add(found[1])
             clips = (*clips, len(paths))
             paths.append(_drawing(here, path, named))
-            text = _said(path)  # itself clipped
+            text = _property_of(path)  # itself clipped
         if clips:
             element.set(CLIPS, " ".join(map(str, clips)))
         for child in element:
@@ -78,23 +81,23 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
 def _put_in_place(element: Element, named: dict[str, Element]) -> None:
     """Put what is used into the place of its uses, where it may be clipped otherwise."""
     for k, child in enumerate(element):
-        href = next(filter(None, map(child.get, _HREFS)), "")
+        href = next(filter(None, map(child.get, HREFS)), "")
         used = named.get(href.lstrip("#")) if tag_of(child) == "use" else None
         if used is not None:
             group = Element(
                 tag_like(child, "g"), {k: v for k, v in child.attrib.items() if k not in _USING}
             )
-            group.set("transform", _moved(child))
+            group.set("transform", _transform(child))
             group.append(deepcopy(used))
             element[k] = child = group
         _put_in_place(child, named)
 
 
-def _moved(use: Element) -> str:
+def _transform(use: Element) -> str:
     return f"{use.get('transform', '')} translate({use.get('x', '0')} {use.get('y', '0')})".strip()
 
 
-def _said(element: Element) -> str:
+def _property_of(element: Element) -> str:
     styled = _STYLED.search(element.get("style", ""))
     return (styled[1] if styled else element.get("clip-path", "")).strip()
 
@@ -121,43 +124,41 @@ def _drawing(place: Sequence[Element], path: Element, named: dict[str, Element])
     moved = {"transform": path.get("transform", "")}
     at = ElementTree.SubElement(at, tag_like(path, "g"), moved)
     rule = _rule_of(path)
-    at.extend(filled for child in path for filled in _filled(child, rule, named, 0))
+    at.extend(filled for child in path for filled in _as_filled(child, rule, named, 0))
     return ElementTree.tostring(drawing)
 
 
-def _filled(
+def _as_filled(
     element: Element, rule: str, named: dict[str, Element], depth: int
 ) -> Sequence[Element]:
     """An element of a clip path as it is filled; a use as what it is of."""
     if tag_of(element) == "clipPath" or depth > _MOST:
         return ()
     rule = _rule_of(element) or rule
-    hidden = element.get("display") == "none" or "display:none" in _bare(element.get("style", ""))
+    hidden = element.get("display") == "none" or "display:none" in re.sub(
+        r"\s+", "", element.get("style", "").lower()
+    )
     if hidden:
         return ()
     kept = {k: v for k, v in element.attrib.items() if k not in _LOOKS}
     if tag_of(element) == "use":
-        used = named.get(next(filter(None, map(element.get, _HREFS)), "#").lstrip("#"))
+        used = named.get(next(filter(None, map(element.get, HREFS)), "#").lstrip("#"))
         if used is None:
             return ()
-        group = Element(tag_like(element, "g"), {"transform": _moved(element)})
-        group.extend(_filled(used, rule, named, depth + 1))
+        group = Element(tag_like(element, "g"), {"transform": _transform(element)})
+        group.extend(_as_filled(used, rule, named, depth + 1))
         return (group,)
     copy = Element(element.tag, {**kept, "fill": "#000", "stroke": "none"})
     if rule:
         copy.set("fill-rule", rule)
     for child in element:
-        copy.extend(_filled(deepcopy(child), rule, named, depth + 1))
+        copy.extend(_as_filled(deepcopy(child), rule, named, depth + 1))
     return (copy,)
 
 
 def _rule_of(element: Element) -> str:
     styled = _RULE.search(element.get("style", ""))
     return styled[1] if styled else element.get("clip-rule", "")
-
-
-def _bare(text: str) -> str:
-    return re.sub(r"\s+", "", text.lower())
 
 
 def tag_of(element: Element) -> str:

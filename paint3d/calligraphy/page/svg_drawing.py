@@ -24,20 +24,27 @@ from xml.etree.ElementTree import Element
 import numpy as np
 
 from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph, GlyphStroke
-from paint3d.calligraphy.hand_packages import package_of_the_hand
+from paint3d.calligraphy.optional_packages import import_optional
 from paint3d.calligraphy.page.bands import fill_in_bands, is_wide
 from paint3d.calligraphy.page.page import (
     Page,
     Piece,
     as_multipolygon,
-    bezier_points,
     bounds_of,
     fill_rings,
     polygons_of,
     rings_of,
 )
-from paint3d.calligraphy.page.svg_clips import CLIPS, mark_clipped, tag_like, tag_of
+from paint3d.calligraphy.page.svg_clips import (
+    CLIPS,
+    HREFS,
+    SHAPES,
+    mark_clipped,
+    tag_like,
+    tag_of,
+)
 from paint3d.calligraphy.page.svg_lengths import in_numbers
+from paint3d.calligraphy.polyline import arc_lengths, bezier_points
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.arrays import AnyArray
 from paint3d.core.foreign_xml import XmlFault, parse_xml
@@ -46,7 +53,7 @@ from paint3d.errors import InputError, Message
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["HREFS", "check_numbers", "check_svg", "in_place", "load_svg", "svg_shape"]
+__all__ = ["check_numbers", "check_svg", "in_place", "load_svg", "svg_shape"]
 
 # ---- Numbers -------------------------------------------------------------------------------------
 # Whether the numbers of a drawing's shapes are numbers: what is none is named, not painted over.
@@ -55,8 +62,7 @@ __all__ = ["HREFS", "check_numbers", "check_svg", "in_place", "load_svg", "svg_s
 # each as it likes (SVG 1.1, appendix F.2 only asks that the document be said to be in error).
 
 
-_SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
-_TAGS = (*_SHAPES, "a", "g", "svg", "switch", "symbol", "use")
+_TAGS = (*SHAPES, "a", "g", "svg", "switch", "symbol", "use")
 _NAMESPACES = ("", "{http://www.w3.org/2000/svg}")
 _SIZE_NAMES = ("width", "height", "r", "stroke-width")
 _SHARES = ("opacity", "fill-opacity", "stroke-opacity")
@@ -186,7 +192,7 @@ def _fault_within(attribute: str, part: str, wanted: Message) -> Message:
 
 
 def _faults_of_style(text: str) -> Iterator[Message]:
-    """The same of declarations."""
+    """Faults of the lengths and shares among a style's declarations."""
     for declared in _DECLARED.finditer(_COMMENT.sub(" ", text)):
         attribute, value = declared[1].lower(), _IMPORTANT.sub("", declared[2]).strip()
         wanted = _fault_of_length(attribute, value) if value else None
@@ -210,7 +216,7 @@ def _fault_of_length(attribute: str, value: str) -> Message | None:
 def _faults_of_list(
     attribute: str, text: str, words: re.Pattern[str], expected: Message
 ) -> Iterator[Message]:
-    """The same of a list: the first word that is neither a finite number nor known."""
+    """Fault of a list: its first word that is neither a finite number nor known."""
     good = words.match(text)
     end = good.end() if good else 0
     numbers = (found[0] for found in _EXPONENT.finditer(text, 0, end))
@@ -280,7 +286,7 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
             line=fault.line,
             what=fault.what,
         ) from None
-    if root.tag.rpartition("}")[2] != "svg":
+    if tag_of(root) != "svg":
         raise InputError(
             "{name}: the outermost element is {tag!r}; expected svg",
             name=name,
@@ -288,18 +294,18 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
         )
     for element in root.iter():
         for href in filter(None, map(element.get, HREFS)):
-            tag = element.tag.rpartition("}")[2]
+            tag = tag_of(element)
             if not href.startswith("#") and tag != "a":
-                raise _outside(name, href)
+                raise _external_references(name, href)
         for text in (element.text or "", *element.attrib.values()):
             outside = _OUTSIDE.search(text)
             if outside:
-                raise _outside(name, outside[1] or outside[2])
+                raise _external_references(name, outside[1] or outside[2])
     _count(root, name)
     return root
 
 
-def _outside(name: str, reference: str) -> InputError:
+def _external_references(name: str, reference: str) -> InputError:
     return InputError(
         "{name}: refers to {reference!r} outside of itself; expected a drawing that holds all that "
         "it shows",
@@ -317,14 +323,14 @@ def _count(root: ElementTree.Element, name: str) -> None:
     def size(element: ElementTree.Element) -> int:
         if element in open_now:
             raise InputError(
-                "{name}: {id!r} uses itself; expected no circles",
+                "{name}: {id!r} refers to itself; expected no cycle of references",
                 name=name,
                 id=element.get("id"),
             )
         if element not in sizes:
             open_now.add(element)
             total = 1 + sum(size(child) for child in element)
-            if element.tag.rpartition("}")[2] == "use":
+            if tag_of(element) == "use":
                 used = next(filter(None, map(element.get, HREFS)), "#").lstrip("#")
                 total += size(named[used]) if used in named else 0
             open_now.discard(element)
@@ -352,7 +358,6 @@ def _count(root: ElementTree.Element, name: str) -> None:
 # and 7.9; SVG 2, 5.6). The package that reads drawings draws them all where they stand.
 
 
-HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
 _NOT_DRAWN = ("marker", "mask", "symbol")
 _SIZES, _PLACE = ("width", "height"), ("x", "y")
 
@@ -363,7 +368,7 @@ def in_place(root: Element) -> Element:
     Parameters
     ----------
     root : Element
-        Of an SVG that has no circles and refers to nothing outside of itself; it stays as it is.
+        Of an SVG without cycles of references or references outside of itself; it is not changed.
 
     Returns
     -------
@@ -371,10 +376,10 @@ def in_place(root: Element) -> Element:
         The root of another one that draws the same.
     """
     named = {key: element for element in root.iter() if (key := element.get("id"))}
-    return _placed(root, named)
+    return _place_element(root, named)
 
 
-def _placed(element: Element, named: dict[str, Element]) -> Element:
+def _place_element(element: Element, named: dict[str, Element]) -> Element:
     """An element and all below it, drawings within it where they lie."""
     placed = Element(element.tag, element.attrib)
     placed.text, placed.tail = element.text, element.tail
@@ -382,16 +387,16 @@ def _placed(element: Element, named: dict[str, Element]) -> Element:
         tag = tag_of(child)
         if tag in _NOT_DRAWN:
             continue
-        used = _used(child, named) if tag == "use" else None
+        used = _used_element(child, named) if tag == "use" else None
         if used is not None:
             child = _drawing_at(child, used)
         elif tag == "svg" and not child.get("viewBox") and any(map(child.get, _PLACE)):
-            child = _moved(child)
-        placed.append(_placed(child, named))
+            child = _translate(child)
+        placed.append(_place_element(child, named))
     return placed
 
 
-def _used(use: Element, named: dict[str, Element]) -> Element | None:
+def _used_element(use: Element, named: dict[str, Element]) -> Element | None:
     """The symbol or drawing that a use is of; none where it is of something else."""
     href = next(filter(None, map(use.get, HREFS)), "#")
     used = named.get(href.lstrip("#"))
@@ -400,7 +405,7 @@ def _used(use: Element, named: dict[str, Element]) -> Element | None:
 
 def _drawing_at(use: Element, used: Element) -> Element:
     """A use that holds its symbol as a drawing as large as it says."""
-    place = _without(use, (*HREFS, *_SIZES))
+    place = _copy_without(use, (*HREFS, *_SIZES))
     drawing = deepcopy(used)
     drawing.tag, drawing.tail = tag_like(use, "svg"), None
     for key in _SIZES:
@@ -414,15 +419,15 @@ def _drawing_at(use: Element, used: Element) -> Element:
     return place
 
 
-def _moved(drawing: Element) -> Element:
+def _translate(drawing: Element) -> Element:
     """A drawing without a viewBox, at its place."""
     place = Element(tag_like(drawing, "use"), {key: drawing.get(key) or "0" for key in _PLACE})
-    place.append(_without(drawing, _PLACE))
+    place.append(_copy_without(drawing, _PLACE))
     place[0].extend(drawing)
     return place
 
 
-def _without(element: Element, attributes: tuple[str, ...]) -> Element:
+def _copy_without(element: Element, attributes: tuple[str, ...]) -> Element:
     """An element by itself, without some of its attributes."""
     return Element(element.tag, {k: v for k, v in element.attrib.items() if k not in attributes})
 
@@ -511,17 +516,17 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
     check_numbers(root, path.name)
     placed = in_place(root)
     in_numbers(placed)
-    _fall_back(placed, {element.get("id") for element in root.iter()})
+    _resolve_paints(placed, {element.get("id") for element in root.iter()})
     paths, others = mark_clipped(placed)
     clips = _Clips(paths, path.name)
-    inks = _covered(list(_read(ElementTree.tostring(placed), path.name, ids, clips)))
+    inks = _cover_by_white(list(_read_inks(ElementTree.tostring(placed), path.name, ids, clips)))
     if not inks:
         raise InputError(
             "{file}: nothing is filled or stroked that is more than a hairline; expected shapes "
             "(text has to be turned into paths, pictures into drawings)",
             file=path,
         )
-    tags = {element.tag.rpartition("}")[2] for element in root.iter()}
+    tags = {tag_of(element) for element in root.iter()}
     left_out = [tag for tag in _NOT_PAINTED if tag in tags]
     if left_out:
         _LOG.warning("%s: not painted: %s", path.name, ", ".join(left_out))
@@ -533,7 +538,7 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
     return inks
 
 
-def _fall_back(root: Element, names: set[str | None]) -> None:
+def _resolve_paints(root: Element, names: set[str | None]) -> None:
     """Give what refers to a paint that is not there the colour that it names instead, or none.
 
     The package takes any reference for black.
@@ -567,18 +572,18 @@ class _Clips:
     def cut(self, ink: _Ink, shape: Any) -> _Ink | None:
         """An ink of a shape of the package's, where nothing clips it; None if that is nowhere."""
         for number in map(int, shape.values.get(CLIPS, "").split()):
-            left = as_multipolygon(ink.shape.intersection(self._left_by(number)))
+            left = as_multipolygon(ink.shape.intersection(self._clip_remainder(number)))
             if left.is_empty:
                 return None
             if left.area < ink.shape.area * (1.0 - _ROUNDING):
                 ink = replace(ink, shape=left, line=None)
         return ink
 
-    def _left_by(self, number: int) -> MultiPolygon:
+    def _clip_remainder(self, number: int) -> MultiPolygon:
         from shapely import unary_union
 
         if number not in self._shapes:
-            inks = _read(self._paths[number], self._name, ())
+            inks = _read_inks(self._paths[number], self._name, ())
             self._shapes[number] = as_multipolygon(unary_union([ink.shape for ink in inks]))
         return self._shapes[number]
 
@@ -586,18 +591,18 @@ class _Clips:
 # -- reading ------------------------------------------------------------------------------------
 
 
-def _read(
+def _read_inks(
     data: bytes, name: str, ids: Sequence[str], clips: _Clips | None = None
 ) -> Iterator[_Ink]:
     """The inks of a drawing in document order, clipped."""
-    svg = package_of_the_hand("svgelements")
+    svg = import_optional("svgelements")
     try:
         document = svg.SVG.parse(BytesIO(data), reify=False)
     except Exception as cause:  # of its many kinds, none is documented
         raise InputError(
             "{name}: cannot be read ({cause}); expected SVG", name=name, cause=cause
         ) from None
-    shapes = list(_chosen(document, set(ids), not ids, svg))
+    shapes = list(_choose_shapes(document, set(ids), not ids, svg))
     missing = [one for one in ids if one not in _names(document, svg)]
     if missing:
         known = ", ".join(sorted(_names(document, svg))[:12]) or "none"
@@ -655,7 +660,7 @@ class _Drawn:
         box = svg.Path(*self.segments).bbox() if self.segments else None
         if box is None:
             return None
-        corners = self._moved(np.array([[x, y] for x in box[::2] for y in box[1::2]]))
+        corners = self._translate(np.array([[x, y] for x in box[::2] for y in box[1::2]]))
         (left, upper), (right, lower) = corners.min(axis=0), corners.max(axis=0)
         return float(left), float(upper), float(right), float(lower)
 
@@ -664,9 +669,9 @@ class _Drawn:
         turn = self.shape.transform
         stretch = max(float(np.hypot(turn.a, turn.b)), float(np.hypot(turn.c, turn.d)), 1e-12)
         written = _subpaths(self.segments, flatness / (np.sqrt(2.0) * stretch), svg)
-        return [(self._moved(points), closed) for points, closed in written]
+        return [(self._translate(points), closed) for points, closed in written]
 
-    def _moved(self, points: AnyArray) -> AnyArray:
+    def _translate(self, points: AnyArray) -> AnyArray:
         turn = self.shape.transform
         across = np.array([[turn.a, turn.b], [turn.c, turn.d]], np.float64)
         moved: AnyArray = points @ across + np.array([turn.e, turn.f], np.float64)
@@ -684,7 +689,7 @@ def _check_reach(name: str, lengths: AnyArray) -> None:
         )
 
 
-def _chosen(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]:
+def _choose_shapes(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]:
     """The shapes below an element that are asked for, in document order."""
     taken = taken or element.values.get("id") in ids
     if isinstance(element, svg.Shape):
@@ -694,7 +699,7 @@ def _chosen(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterator[Any]
             yield element
     elif isinstance(element, svg.Group | svg.Use):  # the document is a group, too
         for child in element:
-            yield from _chosen(child, ids, taken, svg)
+            yield from _choose_shapes(child, ids, taken, svg)
 
 
 def _names(element: Any, svg: Any) -> set[str]:
@@ -720,7 +725,7 @@ def _subpaths(
             points = [_point(segment.end)]
         elif isinstance(segment, svg.Close):
             if len(points) > 1 or isinstance(before, svg.Move):
-                yield _opened(np.array(points)), True
+                yield _open_ring(np.array(points)), True
             points = points[:1]
         else:
             points.extend(_segment(segment, controls, flatness, svg))
@@ -757,7 +762,7 @@ def _point(point: Any) -> AnyArray:
     return np.array([point.x, point.y], np.float64)
 
 
-def _opened(points: AnyArray) -> AnyArray:
+def _open_ring(points: AnyArray) -> AnyArray:
     """A ring without its first point at its end."""
     closes = len(points) > 2 and np.allclose(points[0], points[-1])
     return np.array(points[:-1] if closes else points)
@@ -781,7 +786,7 @@ def _inks(lines: list[tuple[AnyArray, bool]], drawn: _Drawn, name: str) -> Itera
         line = np.concatenate([points, points[:1]]) if closed else points
         white = _is_white(shape.stroke)
         if width < thinnest_within(line):
-            _tell_hairline(name)
+            _refuse_hairline(name)
         elif np.ptp(line, axis=0).max() > 0.0:
             band = LineString(line).buffer(0.5 * width, cap_style=cap, join_style=join)
             yield _Ink(name, as_multipolygon(band), line, closed, width, white)
@@ -798,7 +803,7 @@ def _is_white(colour: Any) -> bool:
     return bool(min(colour.red, colour.green, colour.blue) >= _PAPER)
 
 
-def _covered(inks: Sequence[_Ink]) -> list[_Ink]:
+def _cover_by_white(inks: Sequence[_Ink]) -> list[_Ink]:
     """The inks without what white elements above them cover."""
     left: list[_Ink] = []
     for ink in inks:
@@ -884,30 +889,30 @@ def _overlap(group: Sequence[_Ink], ink: _Ink) -> bool:
 def _strokes(ink: _Ink) -> list[GlyphStroke]:
     """The strokes of an ink, what is wider than the brush in bands."""
     if ink.line is None:
-        taken = _taken_apart(ink)
+        taken = _decompose_ink(ink)
     elif len(ink.shape.geoms) == 1:
         outer, holes = rings_of(ink.shape.geoms[0])
-        taken = [GlyphStroke(outer, _led_over(ink), tuple(holes))]
+        taken = [GlyphStroke(outer, _extend_closed(ink), tuple(holes))]
     else:  # white has cut it
-        taken = _taken_apart(ink)
+        taken = _decompose_ink(ink)
     if not any(is_wide(stroke) for stroke in taken):
         return taken
-    return _banded(ink, taken)
+    return _fill_bands(ink, taken)
 
 
-def _taken_apart(ink: _Ink) -> list[GlyphStroke]:
+def _decompose_ink(ink: _Ink) -> list[GlyphStroke]:
     try:
         return decompose(ink.shape)
     except InputError:  # nothing that a brush could fill
-        _tell_hairline(ink.name)
+        _refuse_hairline(ink.name)
         return []
 
 
-def _tell_hairline(name: str) -> None:
+def _refuse_hairline(name: str) -> None:
     _LOG.warning("%s: not painted: it is a hairline", name)
 
 
-def _banded(ink: _Ink, taken: Sequence[GlyphStroke]) -> list[GlyphStroke]:
+def _fill_bands(ink: _Ink, taken: Sequence[GlyphStroke]) -> list[GlyphStroke]:
     from shapely import Polygon
 
     strokes: list[GlyphStroke] = []
@@ -920,12 +925,12 @@ def _banded(ink: _Ink, taken: Sequence[GlyphStroke]) -> list[GlyphStroke]:
     return strokes
 
 
-def _led_over(ink: _Ink) -> AnyArray:
+def _extend_closed(ink: _Ink) -> AnyArray:
     """The line of a stroke; one that closes is led over its start by half its width."""
     assert ink.line is not None
     if not ink.closed:
         return ink.line
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(ink.line, axis=0), axis=1))]
+    way = arc_lengths(ink.line)
     after = np.flatnonzero((way > 0.0) & (way < 0.5 * ink.width))
     last = [np.interp(0.5 * ink.width, way, ink.line[:, k]) for k in range(2)]
     result: AnyArray = np.concatenate([ink.line, ink.line[after], [last]])

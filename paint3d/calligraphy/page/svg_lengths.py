@@ -12,6 +12,8 @@ import re
 from typing import NamedTuple
 from xml.etree.ElementTree import Element
 
+from paint3d.calligraphy.page.svg_clips import SHAPES, tag_of
+
 __all__ = ["in_numbers"]
 
 _NUMBER = r"[+-]?(?:\d+\.?\d*|\.\d+)(?:e[+-]?\d+)?"
@@ -29,8 +31,7 @@ _SIZES = {"xx-small": 0.6, "x-small": 0.75, "small": 8 / 9, "medium": 1.0, "larg
 _SIZES |= {"x-large": 1.5, "xx-large": 2.0}
 _STEPS = {"smaller": 1 / 1.2, "larger": 1.2}
 _VIEWS = ("svg",)
-_SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
-_COUNTED = (*_SHAPES, *_VIEWS, "g", "a", "use", "switch", "clipPath", "defs")
+_COUNTED = (*SHAPES, *_VIEWS, "g", "a", "use", "switch", "clipPath", "defs")
 
 
 class _Place(NamedTuple):
@@ -56,14 +57,14 @@ def in_numbers(root: Element) -> None:
     stack = [(child, place) for child in root]
     while stack:
         element, place = stack.pop()
-        tag = element.tag.rpartition("}")[2]
+        tag = tag_of(element)
         if tag not in _COUNTED:
             continue
         place = place._replace(font=_font_size(element, place.font, place.root[2]))
         for names in (_ACROSS, _DOWN, _DIAGONAL):
             for name in names:
                 if name in element.attrib:
-                    element.set(name, _plain(element.get(name, ""), name, place))
+                    element.set(name, _resolve_length(element.get(name, ""), name, place))
         if "style" in element.attrib:
             element.set("style", _style(element.get("style", ""), place))
         if tag in _VIEWS:
@@ -73,24 +74,26 @@ def in_numbers(root: Element) -> None:
 
 
 def _style(text: str, place: _Place) -> str:
-    return _STYLED.sub(lambda found: found[1] + _plain(found[2], "stroke-width", place), text)
+    return _STYLED.sub(
+        lambda found: found[1] + _resolve_length(found[2], "stroke-width", place), text
+    )
 
 
-def _plain(text: str, name: str, place: _Place) -> str:
+def _resolve_length(text: str, name: str, place: _Place) -> str:
     """A length as a number, if it is a relative one; as it is where not."""
     found = _LENGTH.fullmatch(text)
     unit = found[2].lower() if found else ""
     if found is None or unit in _PIXELS:
         return text
     number = float(found[1])
-    share = _share(unit, name, place)
+    share = _unit_length(unit, name, place)
     return text if share is None else repr(number * share)
 
 
-def _share(unit: str, name: str, place: _Place) -> float | None:
+def _unit_length(unit: str, name: str, place: _Place) -> float | None:
     """Length of 1 of a relative unit."""
     if unit == "%":
-        return 0.01 * _side(name, place.width, place.height)
+        return 0.01 * _reference_side(name, place.width, place.height)
     width, height, font = place.root
     return {
         "em": place.font,
@@ -104,7 +107,7 @@ def _share(unit: str, name: str, place: _Place) -> float | None:
     }.get(unit)
 
 
-def _side(name: str, width: float, height: float) -> float:
+def _reference_side(name: str, width: float, height: float) -> float:
     if name in _ACROSS:
         return width
     return height if name in _DOWN else math.hypot(width, height) / math.sqrt(2.0)

@@ -69,7 +69,7 @@ def characters_of(
         If there are fewer inks than characters.
     """
     if not lines:
-        return _by_gaps(parts, width, columns)
+        return _group_by_gaps(parts, width, columns)
     n = sum(map(len, lines))
     if len(parts) < n:
         raise InputError(
@@ -82,7 +82,7 @@ def characters_of(
     boxes = np.array([part.bounds for part in parts])
     if not columns:
         boxes = boxes[:, [1, 0, 3, 2]]
-    found = _in_lines(boxes, list(lines), columns)
+    found = _boxes_in_lines(boxes, list(lines), columns)
     text = "".join(lines)
     return [_character(text[k], [parts[i] for i in found[k]]) for k in range(n)]
 
@@ -96,13 +96,13 @@ def _character(text: str, parts: Sequence[Polygon]) -> Character:
 # -- by gaps ------------------------------------------------------------------------------------
 
 
-def _by_gaps(parts: Sequence[Polygon], width: float, columns: bool) -> list[Character]:
+def _group_by_gaps(parts: Sequence[Polygon], width: float, columns: bool) -> list[Character]:
     """Inks whose boxes overlap or are near each other are one; small ones join the nearest."""
     boxes = np.array([part.bounds for part in parts])
     groups = [[k] for k in range(len(parts))]
     near = _APART * width
     spans = boxes
-    gaps, grown = _gaps(spans, spans), _grown(spans, spans)
+    gaps, grown = _gaps(spans, spans), _joined_sides(spans, spans)
     np.fill_diagonal(gaps, np.inf)
     while len(groups) > 1:
         sizes = np.maximum(spans[:, 2] - spans[:, 0], spans[:, 3] - spans[:, 1])
@@ -116,18 +116,18 @@ def _by_gaps(parts: Sequence[Polygon], width: float, columns: bool) -> list[Char
             break
         groups[i] += groups.pop(j)
         spans, gaps, grown = (
-            np.delete(spans, j, 0), _without(gaps, j), _without(grown, j)
+            np.delete(spans, j, 0), _drop_row(gaps, j), _drop_row(grown, j)
         )  # fmt: skip
-        spans[i] = _around(boxes[groups[i]])
+        spans[i] = _bound_boxes(boxes[groups[i]])
         gaps[i] = gaps[:, i] = _gaps(spans[i : i + 1], spans)
-        grown[i] = grown[:, i] = _grown(spans[i : i + 1], spans)
+        grown[i] = grown[:, i] = _joined_sides(spans[i : i + 1], spans)
         gaps[i, i] = np.inf
-    spans = np.array([_around(boxes[group]) for group in groups])
+    spans = np.array([_bound_boxes(boxes[group]) for group in groups])
     order = _reading_order(spans, columns)
     return [_character(str(n + 1), [parts[i] for i in groups[k]]) for n, k in enumerate(order)]
 
 
-def _around(boxes: AnyArray) -> NDArray[np.float64]:
+def _bound_boxes(boxes: AnyArray) -> NDArray[np.float64]:
     return np.concatenate([boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)])
 
 
@@ -141,7 +141,7 @@ def _gaps(spans: AnyArray, others: AnyArray) -> NDArray[np.float64]:
     return gaps
 
 
-def _grown(spans: AnyArray, others: AnyArray) -> NDArray[np.float64]:
+def _joined_sides(spans: AnyArray, others: AnyArray) -> NDArray[np.float64]:
     """Longer side (K, L) of the box around two boxes."""
     low = np.minimum(spans[:, None, :2], others[None, :, :2])
     high = np.maximum(spans[:, None, 2:], others[None, :, 2:])
@@ -149,7 +149,7 @@ def _grown(spans: AnyArray, others: AnyArray) -> NDArray[np.float64]:
     return result
 
 
-def _without(table: AnyArray, k: int) -> NDArray[np.float64]:
+def _drop_row(table: AnyArray, k: int) -> NDArray[np.float64]:
     """A square table without a row and its column."""
     left: NDArray[np.float64] = np.delete(np.delete(table, k, 0), k, 1)
     return left
@@ -174,23 +174,23 @@ def _reading_order(spans: AnyArray, columns: bool) -> list[int]:
 # -- by how many there are ----------------------------------------------------------------------
 
 
-def _in_lines(boxes: AnyArray, lines: list[str], columns: bool) -> list[list[int]]:
+def _boxes_in_lines(boxes: AnyArray, lines: list[str], columns: bool) -> list[list[int]]:
     """Boxes (K, 4) of each character; lines run along y, side by side along x."""
     counts = [len(line) for line in lines]
     across = 0.5 * (boxes[:, 0] + boxes[:, 2])
     bounds = _line_spans(boxes, sum(counts))
     if len(lines) > 1 and len(bounds) != len(lines):
-        bounds = _cut_evenly(boxes[:, [0, 2]], [1] * len(lines))
+        bounds = list(pairwise(_find_cuts(boxes[:, [0, 2]], len(lines))))
     if columns:
         bounds = bounds[::-1]
     if len(lines) == 1 and len(bounds) > 1:
-        counts = _shared_out(boxes, bounds, counts[0])
+        counts = _count_by_length(boxes, bounds, counts[0])
     found: list[list[int]] = []
     if len(bounds) != len(counts):
         bounds = [(-math.inf, math.inf)]
     for (left, right), n in zip(bounds, counts, strict=True):
         mine = np.flatnonzero((across >= left) & (across < right))
-        found += _cut(boxes, mine, n)
+        found += _cut_line(boxes, mine, n)
     return found
 
 
@@ -217,7 +217,7 @@ def _line_spans(boxes: AnyArray, most: int) -> list[tuple[float, float]]:
     return [(left, right + 1e-9) for left, right in spans]
 
 
-def _shared_out(boxes: AnyArray, bounds: list[tuple[float, float]], n: int) -> list[int]:
+def _count_by_length(boxes: AnyArray, bounds: list[tuple[float, float]], n: int) -> list[int]:
     """Number of n characters in each line, by the lines' lengths; at least one."""
     lengths = []
     for left, right in bounds:
@@ -230,20 +230,14 @@ def _shared_out(boxes: AnyArray, bounds: list[tuple[float, float]], n: int) -> l
     return counts
 
 
-def _cut_evenly(spans: AnyArray, counts: Sequence[int]) -> list[tuple[float, float]]:
-    """Spans of as many lines as there are, where least ink is crossed."""
-    cuts = _cuts(spans, len(counts))
-    return list(pairwise(cuts))
-
-
-def _cut(boxes: AnyArray, mine: AnyArray, n: int) -> list[list[int]]:
+def _cut_line(boxes: AnyArray, mine: AnyArray, n: int) -> list[list[int]]:
     """The boxes of one line as n characters."""
     if not len(mine):
         raise InputError(
             "the sheet has a line without ink; expected ink in every line of the text",
             hint="--text",
         )
-    cuts = _cuts(boxes[mine][:, [1, 3]], n)
+    cuts = _find_cuts(boxes[mine][:, [1, 3]], n)
     middles = 0.5 * (boxes[mine, 1] + boxes[mine, 3])
     which = np.clip(np.searchsorted(cuts, middles, side="right") - 1, 0, n - 1)
     groups = [mine[which == k].tolist() for k in range(n)]
@@ -258,7 +252,7 @@ def _cut(boxes: AnyArray, mine: AnyArray, n: int) -> list[list[int]]:
     return groups
 
 
-def _cuts(spans: AnyArray, n: int) -> NDArray[np.float64]:
+def _find_cuts(spans: AnyArray, n: int) -> NDArray[np.float64]:
     """Places (n + 1,) that part inks with spans (K, 2) into n, evenly and crossing few.
 
     The least of what the cuts cross and of how uneven the parts are, by dynamic programming.

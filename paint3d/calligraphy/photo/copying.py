@@ -45,7 +45,9 @@ from paint3d.calligraphy.photo.sheet import (
     white_on_dark,
     whole_picture,
 )
+from paint3d.calligraphy.polyline import line_length, signed_area
 from paint3d.calligraphy.shapes.decompose import decompose
+from paint3d.colour.spectra import srgb_from_linear
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Message
 
@@ -57,7 +59,7 @@ __all__ = ["Asked", "CopiedSheet", "SheetPicture", "check_widths", "copy_sheet",
 _LONGEST = 1600  # pixels of the straightened sheet
 _MOST_STROKES = 4000  # of a sheet: more take minutes to be found
 _BESIDE = 0.02  # of its longer side, that strokes of a file may stand out of it
-_BLACKEST = 0.8  # of the strokes are paler: what the sheet's black ink takes of the light
+_BLACKEST = 0.8  # quantile of the strokes' absorption that counts as the sheet's black ink
 _BLACK = 0.8  # of the light, that black ink takes at the least
 _LOST = 0.02  # of a character's ink: so much may be in no stroke, such as hairlines
 _NEARLY = 0.88  # of it: camera and paper make so much of a difference
@@ -210,9 +212,9 @@ def copy_sheet(
                 hint="--corners",
             )
     if not asked.invert:  # the strokes of a rubbing are where no ink is
-        pieces = _as_strong(pieces, inks.black, ink.mask, per_unit, origin)
+        pieces = _set_strengths(pieces, inks.black, ink.mask, per_unit, origin)
     page = Page(tuple(pieces), name, f"Photograph: {name}")
-    picture, (height, width) = _as_codes(sheet), sheet.shape[:2]
+    picture, (height, width) = srgb_from_linear(sheet), sheet.shape[:2]
     copied = CopiedSheet(
         page, (height, width), per_unit, origin, picture=picture, corners=corners, ink=ink,
         red=inks.red,
@@ -263,7 +265,7 @@ def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPict
     if not ((low > -room).all() and (high < np.array(there.size[::-1]) + room).all()):
         raise InputError("the strokes lie beside the sheet; expected them on it")
     corners = checked_corners(there.corners / scale, pixels.shape[:2])
-    picture = _as_codes(straightened(pixels, corners, there.size))
+    picture = srgb_from_linear(straightened(pixels, corners, there.size))
     return SheetPicture(
         page, there.size, there.per_unit, there.origin, picture=picture, corners=corners
     )
@@ -374,7 +376,7 @@ def _piece(one: Character, ink: InkMask, asked: Asked, per_unit: float, origin: 
     template = (asked.templates or {}).get(one.text)
     strokes = []
     for stroke in decompose(shape, template=template):
-        for part in _in_bands(stroke):
+        for part in _fill_bands(stroke):
             seen = on_sheet(part, per_unit, origin)
             dryness, _ = dryness_along(seen, ink.cover, ink.mask)
             strokes.append(replace(part, dryness=dryness))
@@ -382,7 +384,7 @@ def _piece(one: Character, ink: InkMask, asked: Asked, per_unit: float, origin: 
     return Piece(Glyph(one.text, tuple(strokes), box), at)
 
 
-def _as_strong(
+def _set_strengths(
     pieces: Sequence[Piece],
     density: NDArray[np.float32],
     inked: NDArray[np.bool_],
@@ -416,21 +418,9 @@ def _strength(share: float) -> float:
     return 1.0 if share > _NEARLY else max(round(share, 3), LEAST_STRENGTH)
 
 
-def _in_bands(stroke: GlyphStroke) -> list[GlyphStroke]:
+def _fill_bands(stroke: GlyphStroke) -> list[GlyphStroke]:
     """A stroke, or the bands that fill one that is wider than the brush."""
-    import shapely
-
-    if not is_wide(stroke):
-        return [stroke]
-    area = shapely.Polygon(stroke.outline, stroke.holes)
-    return fill_in_bands(area if area.is_valid else area.buffer(0.0))
-
-
-def _as_codes(sheet: NDArray[np.float32]) -> NDArray[np.uint8]:
-    light = np.clip(sheet, 0.0, 1.0)
-    curve = np.where(light <= 0.0031308, 12.92 * light, 1.055 * light ** (1.0 / 2.4) - 0.055)
-    result: NDArray[np.uint8] = np.round(255.0 * curve).astype(np.uint8)
-    return result
+    return fill_in_bands(stroke.polygon()) if is_wide(stroke) else [stroke]
 
 
 # ---- Room for the brush --------------------------------------------------------------------------
@@ -457,7 +447,7 @@ def check_widths(page: Page, brush: BrushSpec, em_mm: float, resolution_mm: floa
     Raises
     ------
     InputError
-        The message names the size that would do.
+        The message names the size that would fit.
     """
     widths = [_width(stroke) for piece in page.pieces for stroke in piece.glyph.strokes]
     narrow, wide = np.percentile(widths, (_NARROW, _WIDE)) * em_mm / EM_UNITS
@@ -504,12 +494,7 @@ def check_widths(page: Page, brush: BrushSpec, em_mm: float, resolution_mm: floa
 def _width(stroke: GlyphStroke) -> float:
     """Mean width of a stroke, glyph units."""
     rings = (stroke.outline, *stroke.holes)
-    areas = [_area(ring) for ring in rings]
-    length = float(np.linalg.norm(np.diff(stroke.median, axis=0), axis=1).sum())
+    areas = [abs(signed_area(ring)) for ring in rings]
+    length = line_length(stroke.median)
     area = max(areas[0] - sum(areas[1:]), 0.0)
     return area / max(length + 0.25 * math.sqrt(area), 1e-9)
-
-
-def _area(ring: AnyArray) -> float:
-    x, y = ring.T
-    return 0.5 * abs(float(x @ np.roll(y, -1) - y @ np.roll(x, -1)))

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kernels.raster import fill_polygon
+from paint3d.calligraphy.polyline import line_length
 from paint3d.core.arrays import AnyArray
 
 __all__ = ["dryness_along", "region_of", "stations_along", "strength_of"]
@@ -67,7 +68,7 @@ def dryness_along(
     own = max(float(np.percentile(ink, _FULL)), _PALEST) if len(ink) else 1.0
     rows, columns = np.nonzero(_core(region))
     places = np.column_stack([columns + box[1].start, rows + box[0].start]) + 0.5
-    width = region.sum() / max(_length(stroke.median), 1.0)
+    width = region.sum() / max(line_length(stroke.median), 1.0)
     stations = stations_along(stroke.median, width, n)
     _, nearest = cKDTree(stations).query(places)
     covered = np.clip(values[rows, columns] / own / (1.0 - _EVEN), 0.0, 1.0)
@@ -119,10 +120,6 @@ def region_of(
     for hole in stroke.holes:
         fill_polygon(np.ascontiguousarray(hole - low), holes)
     return (slice(low[1], high[1]), slice(low[0], high[0])), region & ~holes
-
-
-def _length(line: AnyArray) -> float:
-    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
 def _core(region: AnyArray) -> NDArray[np.bool_]:

@@ -52,7 +52,7 @@ class FlatPage:
 
     @property
     def strokes(self) -> list[GlyphStroke]:
-        """Of all pieces, in writing order, glyph units."""
+        """Strokes of all pieces, in writing order, glyph units."""
         return [stroke for piece in self.page.pieces for stroke in piece.glyph.strokes]
 
     @property
@@ -62,10 +62,10 @@ class FlatPage:
         return points.min(axis=0), points.max(axis=0)
 
     def drawn(self) -> list[GlyphStroke]:
-        """The same where they lie on the page, in pixels, y down."""
+        """Strokes of all pieces in pixels of the page, y down."""
         drawn = []
         for piece in self.page.pieces:
-            there = self.origin + self.per_unit * _flipped(np.array(piece.at) - piece.glyph.middle)
+            there = self.origin + self.per_unit * _flip(np.array(piece.at) - piece.glyph.middle)
             drawn += [on_sheet(stroke, self.per_unit, there) for stroke in piece.glyph.strokes]
         return drawn
 
@@ -74,13 +74,13 @@ def on_sheet(stroke: GlyphStroke, per_unit: float, origin: AnyArray) -> GlyphStr
     """A stroke in pixels of a sheet, y down; see `FlatPage`."""
 
     def back(points: AnyArray) -> NDArray[np.float64]:
-        on: NDArray[np.float64] = per_unit * _flipped(points) + origin
+        on: NDArray[np.float64] = per_unit * _flip(points) + origin
         return on
 
     holes = tuple(back(hole) for hole in stroke.holes)
     return GlyphStroke(back(stroke.outline), back(stroke.median), holes)
 
 
-def _flipped(points: AnyArray) -> NDArray[np.float64]:
+def _flip(points: AnyArray) -> NDArray[np.float64]:
     flipped: NDArray[np.float64] = points * np.array([1.0, -1.0])
     return flipped

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.hand_packages import package_of_the_hand
+from paint3d.calligraphy.optional_packages import import_optional
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -65,15 +65,15 @@ def bodies_in(mask: NDArray[np.bool_], faint: NDArray[np.bool_], width: float) -
         Of a usual stroke, pixels.
     """
     streaks = _streaks(mask, width)
-    near = _spread(streaks, _SOME_NEAR * width)
+    near = _streak_fraction(streaks, _SOME_NEAR * width)
     inked = mask | (faint & (near > _FAINT_BODY))
-    inked |= _between(inked, near > _SOME, width)
-    closed = inked | _closed(inked, _NOTCH * 0.5 * width)
-    closed |= _closed(inked, _GAP * 0.5 * width) & (near > _ANY)
-    many = _spread(streaks, _MANY_NEAR * width) > _MANY
-    closed |= _closed(inked, _DRY_GAP * 0.5 * width) & many
+    inked |= _between_hairs(inked, near > _SOME, width)
+    closed = inked | _close_gaps(inked, _NOTCH * 0.5 * width)
+    closed |= _close_gaps(inked, _GAP * 0.5 * width) & (near > _ANY)
+    many = _streak_fraction(streaks, _MANY_NEAR * width) > _MANY
+    closed |= _close_gaps(inked, _DRY_GAP * 0.5 * width) & many
     closed |= _small_holes(closed, near > _ANY, width)
-    closed &= ~_counters(closed & ~_closed(mask, _NOTCH * 0.5 * width), mask, width)
+    closed &= ~_counters(closed & ~_close_gaps(mask, _NOTCH * 0.5 * width), mask, width)
     return without_specks(closed, _BIT * width**2)
 
 
@@ -88,7 +88,7 @@ def without_specks(mask: AnyArray, least: float) -> NDArray[np.bool_]:
     return result
 
 
-def _closed(mask: AnyArray, reach: float) -> NDArray[np.bool_]:
+def _close_gaps(mask: AnyArray, reach: float) -> NDArray[np.bool_]:
     """A mask with gaps filled that are narrower than twice a reach, pixels."""
     from scipy.ndimage import distance_transform_edt
 
@@ -139,7 +139,7 @@ def _streaks(mask: AnyArray, width: float) -> NDArray[np.bool_]:
     return result
 
 
-def _spread(streaks: AnyArray, reach: float) -> NDArray[np.float32]:
+def _streak_fraction(streaks: AnyArray, reach: float) -> NDArray[np.float32]:
     """Share of streaks among the places around each."""
     from scipy.ndimage import gaussian_filter
 
@@ -147,7 +147,7 @@ def _spread(streaks: AnyArray, reach: float) -> NDArray[np.float32]:
     return result
 
 
-def _between(inked: AnyArray, where: AnyArray, width: float) -> NDArray[np.bool_]:
+def _between_hairs(inked: AnyArray, where: AnyArray, width: float) -> NDArray[np.bool_]:
     """Bare places that have ink before and behind them on the way of the hairs."""
     from scipy.ndimage import distance_transform_edt
 
@@ -157,7 +157,7 @@ def _between(inked: AnyArray, where: AnyArray, width: float) -> NDArray[np.bool_
     places = np.argwhere(bare)
     if not len(places):
         return found
-    way = _ways(inked, width)
+    way = _hair_directions(inked, width)
     longest = int(_ALONG * width)
     ahead = _pixels_to_ink(inked, places, way, longest)
     behind = _pixels_to_ink(inked, places, -way, longest)
@@ -166,7 +166,7 @@ def _between(inked: AnyArray, where: AnyArray, width: float) -> NDArray[np.bool_
     return found
 
 
-def _ways(inked: AnyArray, width: float) -> NDArray[np.float32]:
+def _hair_directions(inked: AnyArray, width: float) -> NDArray[np.float32]:
     """The way of the streaks, or of edges, around each place: (H, W, 2) unit vectors, either way.
 
     It is across the main axis of the structure tensor (Bigun and Granlund 1987).
@@ -274,16 +274,16 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
     """
     from scipy.ndimage import gaussian_filter
 
-    inner = _within_margin(density)
+    inner = _inner_mask(density)
     smooth = np.where(inner, gaussian_filter(density, 0.5), 0.0)
     taken = 1.0 - 10.0 ** -np.where(inner, density, 0.0)  # linear in what is inked of a pixel
-    near = _inked(smooth, inner)
+    near = _threshold(smooth, inner)
     if darker and near.any():
         full = float(np.percentile(gaussian_filter(taken, 0.7)[near], _DARK))
         smooth = np.where(gaussian_filter(taken, 0.7) > darker * full, smooth, 0.0)
-        near = _inked(smooth, inner)
+        near = _threshold(smooth, inner)
     share = (2.0 * taken - gaussian_filter(taken, _LENS)) / np.maximum(
-        _taken_near(taken, near), 1e-6
+        _local_absorption(taken, near), 1e-6
     )
     mask, faint = near & (share > _EDGE), near & (share > _FAINT)
     stained, n_stains = _stains(mask, taken) if darker is None else (np.zeros_like(mask), 0)
@@ -312,7 +312,7 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
     body = bodies_in(mask, faint, width)
     _check_pieces(body)
     mask &= body
-    width = _checked_width(body)
+    width = _require_width(body)
     full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
     return InkMask(
         np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full, n_stains
@@ -390,15 +390,15 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
     """
     from scipy.ndimage import distance_transform_edt, gaussian_filter, label, mean
 
-    inner = _within_margin(density)
+    inner = _inner_mask(density)
     width = _COARSEST
     for _ in range(_ROUNDS):
         smooth = gaussian_filter(density, _BLUR * width)
         mask = inner & (
             smooth > max(_CARVED, otsu(np.clip(smooth[inner], 0.0, 1.0)), darker or 0.0)
         )
-        mask, _ = _off_rim(mask, inner, _MOUNT * min(mask.shape))
-        before, width = width, max(_width(_large(mask)), _COARSEST)
+        mask, _ = _drop_rim_pieces(mask, inner, _MOUNT * min(mask.shape))
+        before, width = width, max(_width(_drop_grain(mask)), _COARSEST)
         if abs(width - before) < 0.05 * width:
             break
     thick = distance_transform_edt(mask) > _THIN * width
@@ -411,7 +411,7 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
     )
     is_bit = np.bincount(pieces.ravel()) < _FEW_WIDTHS * width**2
     dropped = whiteness < np.where(is_bit, _WORN_BIT, _WORN)
-    body, n_along = _off_rim(mask & ~dropped[pieces], inner, _RIM * width)
+    body, n_along = _drop_rim_pieces(mask & ~dropped[pieces], inner, _RIM * width)
     body |= ~without_specks(~body, _HOLE * width**2)
     body = gaussian_filter(body.astype(np.float32), _BLUR * width) > 0.5
     if body.mean() < _LEAST:
@@ -420,11 +420,11 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
             hint="of ink on paper no --invert",
         )
     _check_pieces(body)
-    cover, width = body.astype(np.float32), _checked_width(body)
+    cover, width = body.astype(np.float32), _require_width(body)
     return InkMask(cover, body, body, width, 1.0, along_edge=n_along)
 
 
-def _large(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _drop_grain(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     """The larger pieces of a mask: grain is more in number."""
     from scipy.ndimage import label
 
@@ -434,7 +434,7 @@ def _large(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
     return result
 
 
-def _off_rim(
+def _drop_rim_pieces(
     mask: NDArray[np.bool_], inner: NDArray[np.bool_], most: float
 ) -> tuple[NDArray[np.bool_], int]:
     """A mask without pieces of which more pixels lie along the rim of what is seen; how many."""
@@ -446,7 +446,7 @@ def _off_rim(
     return mask & (along <= most)[pieces], int(np.count_nonzero(along > most))
 
 
-def _within_margin(density: AnyArray) -> NDArray[np.bool_]:
+def _inner_mask(density: AnyArray) -> NDArray[np.bool_]:
     """All of a sheet but the margin along its edges, which may be the table's or a frame's."""
     margin = max(1, round(_MARGIN * min(density.shape)))
     inner = np.zeros(density.shape, bool)
@@ -466,7 +466,7 @@ def _check_pieces(body: NDArray[np.bool_]) -> None:
         )
 
 
-def _checked_width(body: NDArray[np.bool_]) -> float:
+def _require_width(body: NDArray[np.bool_]) -> float:
     """Of a usual stroke, pixels, where it is not too narrow."""
     width = _width(body)
     if width < _COARSEST:
@@ -488,7 +488,7 @@ def _pieces_and_holes(mask: NDArray[np.bool_]) -> int:
     return int(pieces + holes) - 1  # around all of them is no hole
 
 
-def _inked(density: AnyArray, inner: AnyArray) -> NDArray[np.bool_]:
+def _threshold(density: AnyArray, inner: AnyArray) -> NDArray[np.bool_]:
     """Places where the density is high, and those around them where it is not low."""
     from scipy.ndimage import label
 
@@ -506,7 +506,7 @@ def _inked(density: AnyArray, inner: AnyArray) -> NDArray[np.bool_]:
     return result
 
 
-def _taken_near(taken: AnyArray, near: AnyArray) -> NDArray[np.float64]:
+def _local_absorption(taken: AnyArray, near: AnyArray) -> NDArray[np.float64]:
     """The share of light that unbroken ink takes around each place."""
     from scipy.ndimage import gaussian_filter, maximum_filter
 
@@ -569,14 +569,14 @@ def polygons_in(body: NDArray[np.bool_], width: float) -> list[Polygon]:
     import shapely
     from scipy.ndimage import find_objects, gaussian_filter, label
 
-    measure = package_of_the_hand("skimage.measure")
+    measure = import_optional("skimage.measure")
     areas, _ = label(body, np.ones((3, 3)))
     found = []
     for k, box in enumerate(find_objects(areas)):
         part = np.pad((areas[box] == k + 1).astype(np.float32), 4)
         rings = measure.find_contours(gaussian_filter(part, _SMOOTH), 0.5)
         start = np.array([box[1].start, box[0].start]) - 4.0 + 0.5
-        shapes = _nested(
+        shapes = _nest_rings(
             [shapely.Polygon(ring[:, ::-1] + start) for ring in rings if len(ring) > 4]
         )
         largest = max((shape.area for shape in shapes), default=0.0)
@@ -585,7 +585,7 @@ def polygons_in(body: NDArray[np.bool_], width: float) -> list[Polygon]:
     return found
 
 
-def _nested(rings: Sequence[Polygon]) -> list[Polygon]:
+def _nest_rings(rings: Sequence[Polygon]) -> list[Polygon]:
     """The areas that an odd number of rings goes around, largest first, with their holes."""
     import shapely
 

@@ -15,6 +15,7 @@ from paint3d.calligraphy.page.page import Piece
 from paint3d.calligraphy.photo.copying import CopiedSheet
 from paint3d.calligraphy.photo.dryness import dryness_along, strength_of
 from paint3d.calligraphy.photo.flat_page import FlatPage
+from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import make_chart, unroll
@@ -104,7 +105,7 @@ def painted_sheet(
     there = surface.paint_mesh.vertices[used].astype(np.float64)
     for piece, laid in placed:
         points = np.full((len(covered), 2), np.nan)
-        points[used] = _on_page(piece, laid, closest, there, sheet)
+        points[used] = _to_page(piece, laid, closest, there, sheet)
         mine = faces[np.isfinite(points[faces]).all(axis=(1, 2))]
         values = np.asarray(covered, np.float32)
         fill_triangles(points, values, mine, cover)
@@ -114,7 +115,7 @@ def painted_sheet(
     return PaintedSheet(picture, cover)
 
 
-def _on_page(
+def _to_page(
     piece: Piece, laid: PlacedPiece, closest: ClosestPoints, there: AnyArray, sheet: FlatPage
 ) -> NDArray[np.float64]:
     """Places of points of the surface on the sheet, pixels; NaN beyond the piece."""
@@ -136,15 +137,14 @@ def likeness_of(sheet: CopiedSheet, painted: PaintedSheet) -> SheetLikeness:
     alike = len(one) < 3 or min(np.ptp(one), np.ptp(other)) < 0.05
     r = float("nan") if alike else float(np.corrcoef(one, other)[0, 1])
     error = float(np.abs(one - other).mean()) if len(one) else 0.0
-    return SheetLikeness(_iou(_filled(mask, ink.body), ink.body), _iou(mask, ink.mask), r, error)
+    return SheetLikeness(_iou(_fill_body(mask, ink.body), ink.body), _iou(mask, ink.mask), r, error)
 
 
 def strength_of_both(
     sheet: FlatPage, painted: PaintedSheet
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Strength of the ink of all strokes (K,): as they say, and painted."""
-    codes = np.arange(256) / 255.0
-    table = np.where(codes <= 0.04045, codes / 12.92, ((codes + 0.055) / 1.055) ** 2.4)
+    table = decode_srgb(np.arange(256, dtype=np.uint8))
     light = table[painted.picture].mean(axis=2)
     mask = painted.cover > _COVERED
     bare = painted.cover <= 0.0
@@ -174,7 +174,7 @@ def dryness_of_both(
     return np.array(asked), np.array(got)
 
 
-def _filled(mask: AnyArray, body: AnyArray) -> NDArray[np.bool_]:
+def _fill_body(mask: AnyArray, body: AnyArray) -> NDArray[np.bool_]:
     """Painted mask, with what it leaves bare within the body but for the body's rim.
 
     A painted streak stands for the bare ones beside it, half a width to either side.

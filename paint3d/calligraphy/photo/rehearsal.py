@@ -66,11 +66,13 @@ def rehearsed(
             missing = _TAKEN * dryness_at(written.station, asked - got)
             written = replace(written, dryness=np.clip(written.dryness + missing, 0.0, 1.0))
         if written.strength is not None:
-            written = replace(written, strength=_as_pale(sheet, painted, written))
+            written = replace(written, strength=_correct_strengths(sheet, painted, written))
     return written
 
 
-def _as_pale(sheet: FlatPage, painted: PaintedSheet, written: Written) -> NDArray[np.float64]:
+def _correct_strengths(
+    sheet: FlatPage, painted: PaintedSheet, written: Written
+) -> NDArray[np.float64]:
     """Strengths (N,) with as much less water as the strokes' densities came out too low."""
     assert written.strength is not None, "it was looked at"
     assert written.stroke is not None, "it is told with the strength"

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.photo.ink_mask import otsu
+from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 
@@ -52,14 +53,13 @@ __all__ = [
 _FLAT = 0.02  # of perspective: below it the focal length says nothing
 _FOCAL = (0.4, 6.0)  # longer sides of the picture: focal lengths that cameras have
 _SLIMMEST = 12.0  # ratio of the sides
+_CODES = np.arange(256, dtype=np.uint8)
 _ROWS = 256  # that are looked up at once: bounds the memory
 
 
 def linear_light(codes: AnyArray) -> NDArray[np.float32]:
-    """Linear values, 0 to 1, of sRGB codes (uint8) (IEC 61966-2-1)."""
-    value = np.arange(256) / 255.0
-    table = np.where(value <= 0.04045, value / 12.92, ((value + 0.055) / 1.055) ** 2.4)
-    result: NDArray[np.float32] = table.astype(np.float32)[codes]
+    """Linear values, 0 to 1, of sRGB codes (uint8)."""
+    result: NDArray[np.float32] = decode_srgb(_CODES).astype(np.float32)[codes]
     return result
 
 
@@ -265,7 +265,10 @@ def find_sheets(pixels: NDArray[np.uint8]) -> list[NDArray[np.float64]]:
         )
     finer = max(1, round(max(pixels.shape[:2]) / _DRAWN))
     fine = _planes(pixels, finer)
-    return [_in_order(_drawn(fine, corners * (step / finer)) * finer) for corners, _ in chosen]
+    return [
+        _order_corners(_refine_corners(fine, corners * (step / finer)) * finer)
+        for corners, _ in chosen
+    ]
 
 
 def _planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
@@ -340,7 +343,7 @@ def _four_corners(ring: AnyArray) -> NDArray[np.float64] | None:
         n = len(ring)
         for k in range(n):
             a, b, c, d = ring[k - 1], ring[k], ring[(k + 1) % n], ring[(k + 2) % n]
-            meet = _meeting(a, b, d, c)
+            meet = _intersect(a, b, d, c)
             if meet is None:
                 continue
             grown = 0.5 * abs(_cross(c - b, meet - b))
@@ -358,7 +361,7 @@ def _cross(a: AnyArray, b: AnyArray) -> float:
     return float(a[0] * b[1] - a[1] * b[0])
 
 
-def _meeting(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray | None:
+def _intersect(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray | None:
     """Intersection of the lines from a through b and from d through c, beyond b and c."""
     along, other = b - a, c - d
     turn = _cross(along, other)
@@ -372,7 +375,7 @@ def _meeting(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray | N
 # -- judging and drawing the sides --------------------------------------------------------------
 
 
-def _across(planes: _Planes, start: AnyArray, end: AnyArray, offsets: AnyArray) -> AnyArray:
+def _sample_across(planes: _Planes, start: AnyArray, end: AnyArray, offsets: AnyArray) -> AnyArray:
     """Values of planes at offsets (K,) across a side: (planes, stations, K)."""
     from scipy.ndimage import map_coordinates
 
@@ -391,9 +394,9 @@ def _weakest_side(planes: _Planes, corners: AnyArray) -> float:
     offsets = np.array([-2.0, -1.0, 1.0, 2.0]) * 0.5 * reach
     sides = []
     for k in range(4):
-        values = _across(planes, corners[k], corners[(k + 1) % 4], offsets)
+        values = _sample_across(planes, corners[k], corners[(k + 1) % 4], offsets)
         change = values[..., 2:].mean(axis=2) - values[..., :2].mean(axis=2)
-        inside = _inside(planes.shape, corners[k], corners[(k + 1) % 4])
+        inside = _sides_inside(planes.shape, corners[k], corners[(k + 1) % 4])
         sides.append(np.quantile(change, 0.3, axis=1) * inside)
         sides.append(np.quantile(-change, 0.3, axis=1) * inside)
     out, into = np.array(sides[::2]), np.array(sides[1::2])  # (4, planes): all change one way
@@ -402,7 +405,7 @@ def _weakest_side(planes: _Planes, corners: AnyArray) -> float:
     return float(max(sign, 0.6 * mixed))
 
 
-def _inside(shape: tuple[int, int], start: AnyArray, end: AnyArray) -> float:
+def _sides_inside(shape: tuple[int, int], start: AnyArray, end: AnyArray) -> float:
     """1 for a side within the picture, 0 for one along or beyond its border."""
     height, width = shape
     middles = np.array([start, 0.5 * (start + end), end])
@@ -411,14 +414,14 @@ def _inside(shape: tuple[int, int], start: AnyArray, end: AnyArray) -> float:
     return float(np.median(away) > reach)
 
 
-def _drawn(planes: _Planes, corners: AnyArray) -> NDArray[np.float64]:
+def _refine_corners(planes: _Planes, corners: AnyArray) -> NDArray[np.float64]:
     """Corners where the lines meet that are fitted to the sides."""
     corners = np.array(corners, np.float64)
     for reach, rounds in _ROUNDS:
         width = max(4.0, reach * max(planes.shape))
         for _ in range(rounds):
-            lines = [_fitted(planes, corners[k], corners[(k + 1) % 4], width) for k in range(4)]
-            met = [_crossing(lines[k - 1], lines[k]) for k in range(4)]
+            lines = [_fit_side(planes, corners[k], corners[(k + 1) % 4], width) for k in range(4)]
+            met = [_cross_lines(lines[k - 1], lines[k]) for k in range(4)]
             if any(point is None for point in met):
                 break
             moved = np.array(met)
@@ -431,10 +434,10 @@ def _drawn(planes: _Planes, corners: AnyArray) -> NDArray[np.float64]:
     return corners
 
 
-def _fitted(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> AnyArray:
+def _fit_side(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> AnyArray:
     """Two points (2, 2) of the line along which the planes change most across a side."""
     offsets = np.arange(-reach, reach + 0.5, 0.5)
-    values = _across(planes, start, end, offsets)
+    values = _sample_across(planes, start, end, offsets)
     gap = 3
     change = values[..., 2 * gap :] - values[..., : -2 * gap]  # over 3 pixels
     total = change.mean(axis=1)
@@ -442,7 +445,7 @@ def _fitted(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> An
     strong = np.clip(change * sign[:, None, None], 0.0, None).sum(axis=0)
     middles = offsets[gap : len(offsets) - gap]
     at = strong.argmax(axis=1)
-    best = middles[at] + _between(strong, at)
+    best = middles[at] + _peak_offset(strong, at)
     weight = strong.max(axis=1)
     weight = np.minimum(weight, np.median(weight))  # a seal is stronger, but only in some places
     share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
@@ -452,7 +455,7 @@ def _fitted(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> An
     return np.array([start + height * normal, end + (height + slope) * normal])
 
 
-def _between(strong: AnyArray, at: AnyArray) -> AnyArray:
+def _peak_offset(strong: AnyArray, at: AnyArray) -> AnyArray:
     """Offset of the greatest value from a sample, by a parabola through three."""
     n = strong.shape[1]
     k = np.clip(at, 1, n - 2)
@@ -488,7 +491,7 @@ def _line_through(x: AnyArray, y: AnyArray, weight: AnyArray, near: float) -> tu
     return slope, height
 
 
-def _crossing(one: AnyArray, other: AnyArray) -> AnyArray | None:
+def _cross_lines(one: AnyArray, other: AnyArray) -> AnyArray | None:
     a, b = one
     c, d = other
     turn = _cross(b - a, d - c)
@@ -498,7 +501,7 @@ def _crossing(one: AnyArray, other: AnyArray) -> AnyArray | None:
     return met
 
 
-def _in_order(corners: AnyArray) -> NDArray[np.float64]:
+def _order_corners(corners: AnyArray) -> NDArray[np.float64]:
     """Corners clockwise as seen, from the one that is upper left."""
     middle = corners.mean(axis=0)
     around = np.arctan2(*(corners - middle).T[::-1])
@@ -544,13 +547,13 @@ def flattened(sheet: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[
         The paper's light, at a smaller size.
     """
     step = max(1, round(max(sheet.shape[:2]) / _SMALL))
-    small = _means(sheet, step)
-    paper = _spread(small, _is_paper(small), max(small.shape[:2]))
-    whole = np.stack([_stretched(paper[..., k], sheet.shape[:2]) for k in range(3)], axis=-1)
+    small = _block_means(sheet, step)
+    paper = _spread_light(small, _is_paper(small), max(small.shape[:2]))
+    whole = np.stack([_resize(paper[..., k], sheet.shape[:2]) for k in range(3)], axis=-1)
     return np.clip(sheet / np.maximum(whole, _DARKEST), 1e-3, 1.25), paper
 
 
-def _means(sheet: AnyArray, step: int) -> NDArray[np.float32]:
+def _block_means(sheet: AnyArray, step: int) -> NDArray[np.float32]:
     """Means over blocks of so many pixels a side; the last ones may be cut."""
     height, width = (max(1, n // step) * step for n in sheet.shape[:2])
     blocks = sheet[:height, :width].reshape(height // step, step, width // step, step, 3)
@@ -558,7 +561,7 @@ def _means(sheet: AnyArray, step: int) -> NDArray[np.float32]:
     return result
 
 
-def _stretched(plane: AnyArray, shape: tuple[int, ...]) -> NDArray[np.float32]:
+def _resize(plane: AnyArray, shape: tuple[int, ...]) -> NDArray[np.float32]:
     """A plane at another size, linear between its pixels' middles."""
     from scipy.ndimage import map_coordinates
 
@@ -579,12 +582,12 @@ def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
     grey = small.mean(axis=2)
     window = max(3, round(_WINDOW * longest / 3))
     top = percentile_filter(median_filter(grey[::3, ::3], 3), _SEEN_AS_PAPER, size=window)
-    bright = np.maximum(_stretched(top, grey.shape), _DARKEST)
+    bright = np.maximum(_resize(top, grey.shape), _DARKEST)
     warmth = small[..., 0] / np.maximum(np.minimum(small[..., 1], small[..., 2]), _DARKEST)
     lit = grey > 0.7 * bright
     usual = float(np.median(warmth[lit])) if lit.any() else 1.0
     inked = binary_dilation((grey < _BLACK * bright) | (warmth > _RED * usual), np.ones((3, 3)))
-    bridged = _spread(grey[..., None], ~inked, longest)[..., 0]
+    bridged = _spread_light(grey[..., None], ~inked, longest)[..., 0]
     filled = np.where(inked, bridged, grey)
     size = max(3, round(_NARROW * longest))
     closed = grey_closing(filled, size=(size, size), mode="nearest")
@@ -592,7 +595,7 @@ def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
     return result
 
 
-def _spread(small: AnyArray, is_paper: AnyArray, longest: int) -> NDArray[np.float32]:
+def _spread_light(small: AnyArray, is_paper: AnyArray, longest: int) -> NDArray[np.float32]:
     """The light of places that are paper, spread over all: normalized blurs, nearest first."""
     weight = is_paper.astype(np.float32)
     if not weight.any():

@@ -236,7 +236,7 @@ def _firmness(chart: SurfaceChart, xy: AnyArray, pad_mm: float) -> AnyArray:
 
 
 class _Stone:
-    """What of a stone takes paste.
+    """The part of a stone that takes paste.
 
     Parameters
     ----------

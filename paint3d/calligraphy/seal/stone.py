@@ -48,11 +48,11 @@ SHAPES = ("square", "upright", "level")
 SMALLEST_MM, LARGEST_MM = 4.0, 300.0
 MOST_CHARACTERS = 4
 _COLUMNS = {1: (1,), 2: (1, 1), 3: (1, 2), 4: (2, 2)}  # characters of each column, from the right
-_FRAME, _ROUNDING = 0.035, 0.05  # of the shorter side: width of the frame, its corners' radius
+_FRAME, _ROUNDING = 0.045, 0.05  # of the shorter side: width of the frame, its corners' radius
 _MARGIN = {"zhuwen": 0.085, "baiwen": 0.075}  # of the shorter side, to what is written
 _GAP = 0.085  # of the shorter side, from cell to cell
-_LINE = {"zhuwen": 0.12, "baiwen": 0.165}  # of a cell's mean side, over the root of its strokes
-_WIDEST, _FINEST = 0.085, 0.024  # of a cell's mean side: lines
+_LINE = {"zhuwen": 0.15, "baiwen": 0.165}  # of a cell's mean side, over the root of its strokes
+_WIDEST, _FINEST = 0.105, 0.024  # of a cell's mean side: lines
 _DRAWN_OUT = 2.6  # how much more a character may be drawn out one way than the other
 _LEAST_EXTENT = 0.45  # ems: what is flatter or narrower is not drawn out further
 _LONGEST = 4.0  # proportions of a stone
@@ -111,7 +111,9 @@ def cut_known(
     characters = _characters(text)
     glyphs = load_glyphs(source, "".join(characters))
     cells, sides = _cells(len(characters), style, shape)
-    shapes = [_wired(glyphs[one], cell, style) for one, cell in zip(characters, cells, strict=True)]
+    shapes = [
+        _draw_lines(glyphs[one], cell, style) for one, cell in zip(characters, cells, strict=True)
+    ]
     return _cut(text, style, size_mm, sides, shapes, source.licence)
 
 
@@ -140,7 +142,7 @@ def cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str =
         characters = _characters(text)
         inks = [_line_of(one, font) for one in characters]
         cells, sides = _cells(len(characters), style, shape)
-        shapes = [_drawn_into(ink, cell) for ink, cell in zip(inks, cells, strict=True)]
+        shapes = [_stretch_into(ink, cell) for ink, cell in zip(inks, cells, strict=True)]
         return _cut(text, style, size_mm, sides, shapes, font.licence)
     return _cut_whole(text.strip(), _line_of(text.strip(), font), style, size_mm, font.licence)
 
@@ -214,7 +216,7 @@ def _cells(n: int, style: str, shape: str) -> tuple[list[AnyArray], tuple[float,
     return cells, (wide + 2.0 * margin, high + 2.0 * margin)
 
 
-def _wired(glyph: Glyph, cell: AnyArray, style: str) -> Geometry:
+def _draw_lines(glyph: Glyph, cell: AnyArray, style: str) -> Geometry:
     """A character's lines drawn into a cell, all as wide as their number asks for."""
     from shapely import LineString, MultiLineString
 
@@ -223,7 +225,7 @@ def _wired(glyph: Glyph, cell: AnyArray, style: str) -> Geometry:
     wide = float(np.clip(_LINE[style] * 2.0 / math.sqrt(3.0 + len(lines)), _FINEST, _WIDEST)) * mean
     inner = cell + 0.5 * wide * np.array([1.0, 1.0, -1.0, -1.0])
     points = np.concatenate(lines)
-    scale, middle = _fit(points.min(axis=0), points.max(axis=0), inner, EM_UNITS)
+    scale, middle = _fit_box(points.min(axis=0), points.max(axis=0), inner, EM_UNITS)
     at = 0.5 * (inner[:2] + inner[2:])
     drawn = [LineString((line - middle) * scale + at) for line in lines]
     return MultiLineString(drawn).buffer(0.5 * wide, cap_style="round", join_style="round")
@@ -245,17 +247,17 @@ def _line_of(text: str, font: FontFile) -> MultiPolygon:
     return ink
 
 
-def _drawn_into(ink: MultiPolygon, cell: AnyArray) -> Geometry:
+def _stretch_into(ink: MultiPolygon, cell: AnyArray) -> Geometry:
     """A character's ink drawn out until it fills a cell."""
     from shapely import transform
 
     left, lower, right, upper = ink.bounds
-    scale, middle = _fit(np.array([left, lower]), np.array([right, upper]), cell, EM_UNITS)
+    scale, middle = _fit_box(np.array([left, lower]), np.array([right, upper]), cell, EM_UNITS)
     at = 0.5 * (cell[:2] + cell[2:])
     return transform(ink, lambda points: (points - middle) * scale + at)
 
 
-def _fit(low: AnyArray, high: AnyArray, cell: AnyArray, em: float) -> tuple[AnyArray, AnyArray]:
+def _fit_box(low: AnyArray, high: AnyArray, cell: AnyArray, em: float) -> tuple[AnyArray, AnyArray]:
     """Scales along x and y, and the middle, that let a box fill a cell as far as is becoming."""
     extent = np.maximum(high - low, _LEAST_EXTENT * em)
     scale = (cell[2:] - cell[:2]) / extent
@@ -365,8 +367,8 @@ def cut_seal(
     """
     if (text is None) == (drawing is None):
         if text is None:
-            raise InputError("a seal of nothing; expected a text or a drawing")
-        raise InputError("a seal of a text and a drawing; expected one of them")
+            raise InputError("neither text nor drawing is given; expected one of them")
+        raise InputError("both a text and a drawing are given; expected one of them")
     if drawing is not None:
         from paint3d.calligraphy.page.svg_drawing import svg_shape
 

@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.calligraphy.polyline import resample
 from paint3d.calligraphy.shapes.skeleton import Branch, Junction, Skeleton
 from paint3d.core.arrays import AnyArray
 
-__all__ = ["Chain", "End", "chains_of", "dots", "mates_of", "resampled", "turns_between"]
+__all__ = ["Chain", "End", "chains_of", "mates_of", "row_products", "turns_between"]
 
 _MOST_TURN = 50.0  # degrees, of two branches that are one stroke
 _DIRECTION_FROM, _DIRECTION_TO = 1.0, 3.0  # radii beyond a junction where directions are taken
@@ -55,15 +56,7 @@ class Chain:
     closed: bool = False
 
 
-def resampled(line: AnyArray, step: float, least: int = 2) -> NDArray[np.float64]:
-    """A line (N, 2) at even distances of about `step`, at `least` so many points."""
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
-    n = max(least, math.ceil(way[-1] / step) + 1) if way[-1] > 0.0 else least
-    at = np.linspace(0.0, way[-1], n)
-    return np.stack([np.interp(at, way, line[:, k]) for k in range(2)], axis=1)
-
-
-def dots(ones: AnyArray, twos: AnyArray) -> NDArray[np.float64]:
+def row_products(ones: AnyArray, twos: AnyArray) -> NDArray[np.float64]:
     """The products of vectors (N, 2) with others, each rounded as one by itself is."""
     result: NDArray[np.float64] = (ones[:, None] @ twos[:, :, None])[:, 0, 0]
     return result
@@ -71,8 +64,8 @@ def dots(ones: AnyArray, twos: AnyArray) -> NDArray[np.float64]:
 
 def turns_between(ones: AnyArray, twos: AnyArray) -> NDArray[np.float64]:
     """The angles between directions (N, 2) and others, degrees."""
-    sizes = np.sqrt(dots(ones, ones)) * np.sqrt(dots(twos, twos))
-    cosines = dots(ones, twos) / np.where(sizes > 0.0, sizes, 1.0)
+    sizes = np.sqrt(row_products(ones, ones)) * np.sqrt(row_products(twos, twos))
+    cosines = row_products(ones, twos) / np.where(sizes > 0.0, sizes, 1.0)
     angles = [math.degrees(math.acos(min(1.0, max(-1.0, one)))) for one in cosines.tolist()]
     return np.where(sizes > 0.0, angles, 0.0)
 
@@ -151,7 +144,7 @@ def _end(
     half_widths: Callable[[AnyArray], NDArray[np.float64]],
 ) -> End:
     """Direction in which a branch leaves a junction, taken where it is clear of it."""
-    line = resampled(branch.away_from(side), max(0.2 * junction.radius, 1e-3 * branch.length), 8)
+    line = resample(branch.away_from(side), max(0.2 * junction.radius, 1e-3 * branch.length), 8)
     way = np.linspace(0.0, branch.length, len(line))
     low = min(_DIRECTION_FROM * junction.radius, 0.4 * branch.length)
     high = min(low + (_DIRECTION_TO - _DIRECTION_FROM) * junction.radius, branch.length)
@@ -184,21 +177,21 @@ def _best_pairs(prices: dict[tuple[int, int], float], n: int) -> list[tuple[int,
             if not any(set(pair) & set(other) for other in chosen):
                 chosen.append(pair)
         return chosen
-    return _tried(tuple(range(n)), prices)[1]
+    return _try_pairs(tuple(range(n)), prices)[1]
 
 
-def _tried(
+def _try_pairs(
     left: Sequence[int], prices: dict[tuple[int, int], float]
 ) -> tuple[float, list[tuple[int, int]]]:
     """The least sum of prices among the ends that are left, and its pairs."""
     if len(left) < 2:
         return 0.0, []
-    best = _tried(left[1:], prices)
+    best = _try_pairs(left[1:], prices)
     for other in left[1:]:
         price = prices.get((left[0], other))
         if price is not None:
             rest = tuple(k for k in left[1:] if k != other)
-            total, pairs = _tried(rest, prices)
+            total, pairs = _try_pairs(rest, prices)
             if total + price < best[0] - 1e-12:
                 best = total + price, [(left[0], other), *pairs]
     return best

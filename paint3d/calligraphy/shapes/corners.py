@@ -13,7 +13,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.shapes.continuation import dots, resampled, turns_between
+from paint3d.calligraphy.polyline import resample
+from paint3d.calligraphy.shapes.continuation import row_products, turns_between
 from paint3d.calligraphy.shapes.skeleton import Branch, Skeleton
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.arrays import AnyArray
@@ -92,11 +93,11 @@ def _corner_of(
     half_widths: Callable[[AnyArray], NDArray[np.float64]],
 ) -> tuple[NDArray[np.float64], float] | None:
     """The sharpest corner of a branch where a stroke ends, and its half width; or None."""
-    coarse = resampled(branch.line, branch.length / 16.0, 16)
+    coarse = resample(branch.line, branch.length / 16.0, 16)
     half = float(np.median(half_widths(coarse)))
     if not half > 0.0 or branch.length < 4.0 * half:
         return None
-    points = resampled(branch.line, _STEP * half)
+    points = resample(branch.line, _STEP * half)
     step = branch.length / (len(points) - 1)
     near, far = max(1, round(_NEAR * half / step)), max(2, round(_FAR * half / step))
     ring = skeleton.is_ring(branch)
@@ -125,7 +126,7 @@ def _legs(points: AnyArray, places: AnyArray, reach: AnyArray, ring: bool) -> ND
 
 
 def _sizes(ways: AnyArray) -> NDArray[np.float64]:
-    return np.sqrt(dots(ways, ways))[:, None]
+    return np.sqrt(row_products(ways, ways))[:, None]
 
 
 def _ends_a_stroke(opening: AnyArray, branch: Branch, skeleton: Skeleton) -> bool:

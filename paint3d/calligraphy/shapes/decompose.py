@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
-from paint3d.calligraphy.shapes.dots import as_dot, dot_among, dots_of
+from paint3d.calligraphy.shapes.dots import as_dot, dot_among, find_dots
 from paint3d.calligraphy.shapes.ductus import JoinedForm, in_writing_order
-from paint3d.calligraphy.shapes.regions import Ink, Piece, has_way, pieces_of, shared_out
+from paint3d.calligraphy.shapes.regions import Ink, InkStroke, has_way, pieces_of, shared_out
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
     Fit,
@@ -80,52 +80,52 @@ def decompose(
     parts = _parts(outline)
     low = np.array(outline.bounds[:2])
     size = 2.0 ** math.ceil(math.log2(max(np.ptp(np.reshape(outline.bounds, (2, 2)), axis=0))))
-    even = [_evened(part, low, size) for part in parts]
+    even = [_snap_to_grid(part, low, size) for part in parts]
     forms = [template] if isinstance(template, Glyph) else template or ()
     forms = [form for form in forms if form.strokes]
     return [_stroke(piece, low, size) for piece in _pieces_of(even, forms, runs_on)]
 
 
-def _evened(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
+def _snap_to_grid(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
     """A polygon from 0 to 1, on a grid so fine that none sees it: where it was does not matter."""
     import shapely
 
     return shapely.transform(part, lambda p: np.round((p - low) / size * _GRID) / _GRID)
 
 
-def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> list[Piece]:
+def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> list[InkStroke]:
     """The strokes of connected shapes, in order and direction of writing."""
     if not forms:
-        pieces = [piece for part in parts for piece in _by_shape(_ink_of(part))]
+        pieces = [piece for part in parts for piece in _decompose_by_shape(_ink_of(part))]
         return in_writing_order(pieces, runs_on=runs_on)
     if runs_on:
-        return _along_the_line(parts, _lines_of(forms[0]))
-    best = _best_of(parts, forms)
+        return _decompose_joined(parts, _lines_of(forms[0]))
+    best = _best_form(parts, forms)
     dots = dot_among(parts, best.lines)
-    taken, own = set(dots.values()), list[tuple[Piece, int | None]]()
+    taken, own = set(dots.values()), list[tuple[InkStroke, int | None]]()
     for k, part in enumerate(parts):
         if best.fit is Fit.WHOLE:
-            mine = _by_template(best.inks[k], best.labelled[k].chains)
+            mine = _decompose_by_template(best.inks[k], best.labelled[k].chains)
         elif best.fit is Fit.JOINED:
-            mine = [(piece, None) for piece in _by_own_lines(_ink_of(part), best.known)]
+            mine = [(piece, None) for piece in _decompose_by_lines(_ink_of(part), best.known)]
         else:
-            mine = [(piece, None) for piece in _by_shape(_ink_of(part))]
+            mine = [(piece, None) for piece in _decompose_by_shape(_ink_of(part))]
         for piece, stroke in mine:  # what lies beside a dot is no part of it
             own.append((piece, dots.get(k, None if stroke in taken else stroke)))
     return in_known_order(own, best.known, dots=taken)
 
 
-def _by_own_lines(ink: Ink, known: KnownStrokes) -> list[Piece]:
+def _decompose_by_lines(ink: Ink, known: KnownStrokes) -> list[InkStroke]:
     """The strokes of a shape that joins known ones: only corners are cut where these change."""
     labelled = label_chains(ink, known, tear=False)
-    return [piece for piece, _ in _by_template(ink, labelled.chains)]
+    return [piece for piece, _ in _decompose_by_template(ink, labelled.chains)]
 
 
-def _along_the_line(parts: list[Polygon], lines: Sequence[AnyArray]) -> list[Piece]:
+def _decompose_joined(parts: list[Polygon], lines: Sequence[AnyArray]) -> list[InkStroke]:
     """The strokes of letters that are joined along a line, where the way through them is known."""
     inks = [_ink_of(part) for part in parts]
     known = lay_over(lines, inks, _width(parts))
-    pieces = [(piece, None) for ink in inks for piece in _by_own_lines(ink, known)]
+    pieces = [(piece, None) for ink in inks for piece in _decompose_by_lines(ink, known)]
     return in_known_order(pieces, known, by_start=True)
 
 
@@ -144,19 +144,19 @@ def _lines_of(form: Glyph) -> list[NDArray[np.float64]]:
     return [stroke.median for stroke in form.strokes]
 
 
-def _best_of(parts: list[Polygon], forms: Sequence[Glyph]) -> _Laid:
+def _best_form(parts: list[Polygon], forms: Sequence[Glyph]) -> _Laid:
     """The form that fits best; one of a joined hand only where it lies nearer than others."""
     apart = [form for form in forms if not isinstance(form, JoinedForm)] or forms
-    laid = [_laid_over(parts, _lines_of(form)) for form in apart]
+    laid = [_lay_forms(parts, _lines_of(form)) for form in apart]
     away = min(one.away for one in laid)
     if away > _NOT_NEAR:
         joined = [form for form in forms if isinstance(form, JoinedForm)]
-        nearer = [_laid_over(parts, _lines_of(form)) for form in joined]
+        nearer = [_lay_forms(parts, _lines_of(form)) for form in joined]
         laid = [one for one in nearer if one.away < _NEARER * away] or laid
     return min(laid, key=lambda one: (one.fit, one.away))
 
 
-def _laid_over(parts: list[Polygon], lines: Sequence[AnyArray]) -> _Laid:
+def _lay_forms(parts: list[Polygon], lines: Sequence[AnyArray]) -> _Laid:
     inks = [_ink_of(part) for part in parts]
     known = lay_over(lines, inks, _width(parts))
     labelled = [label_chains(ink, known) for ink in inks]
@@ -203,9 +203,9 @@ def _parts(outline: MultiPolygon) -> list[Polygon]:
     return sorted(kept, key=lambda part: (part.bounds[0], -part.bounds[3], part.area))
 
 
-def _by_shape(ink: Ink) -> list[Piece]:
+def _decompose_by_shape(ink: Ink) -> list[InkStroke]:
     """The strokes of one connected shape, by what it looks like alone."""
-    dots = dots_of(ink)
+    dots = find_dots(ink)
     if dots:
         return dots
     cut_at_corners(ink.skeleton, ink.triangles, ink.half_widths)
@@ -215,17 +215,19 @@ def _by_shape(ink: Ink) -> list[Piece]:
     return shared_out(pieces_of(chains, ink), ink)
 
 
-def _by_template(ink: Ink, labelled: list[tuple[Chain, int]]) -> list[tuple[Piece, int | None]]:
+def _decompose_by_template(
+    ink: Ink, labelled: list[tuple[Chain, int]]
+) -> list[tuple[InkStroke, int | None]]:
     """The strokes of one connected shape as those of a known character."""
     labelled = [(chain, stroke) for chain, stroke in labelled if has_way(chain, ink)]
-    dots = dots_of(ink)
+    dots = find_dots(ink)
     if dots or not labelled:
         return [(dot, None) for dot in dots or [as_dot(ink.shape)]]
     pieces = shared_out(pieces_of((chain for chain, _ in labelled), ink), ink)
     return [(piece, stroke) for piece, (_, stroke) in zip(pieces, labelled, strict=True)]
 
 
-def _stroke(piece: Piece, low: NDArray[np.float64], size: float) -> GlyphStroke:
+def _stroke(piece: InkStroke, low: NDArray[np.float64], size: float) -> GlyphStroke:
     """A piece as a stroke of the outline's frame: rings without their last point."""
     region = piece.region
     rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]

@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.shapes.regions import Ink, Piece
-from paint3d.calligraphy.shapes.skeleton import length_of
+from paint3d.calligraphy.polyline import line_length
+from paint3d.calligraphy.shapes.regions import Ink, InkStroke
 from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:
     from shapely import Polygon
 
-__all__ = ["as_dot", "dot_among", "dots_of"]
+__all__ = ["as_dot", "dot_among", "find_dots"]
 
 _COMPACT = 0.75  # of a disc's area at the same perimeter: a dot; a square has 0.785
 _SHORTEST = 1.0  # of a dot's width: its line; shorter, two crescents of a round one stay bare
@@ -31,7 +31,7 @@ _SMALL = 0.5  # of the area of its largest part, at most, that of a dot
 _LOOSE = 0.22  # as compact as four squares in a row, which would be 0.31 if they shared no side
 
 
-def dots_of(ink: Ink) -> list[Piece]:
+def find_dots(ink: Ink) -> list[InkStroke]:
     """The dots that a shape is, each with its line; none where it is no dot.
 
     Dots that run together at a narrow waist, as the two of an Arabic letter do, are each one: a
@@ -42,7 +42,7 @@ def dots_of(ink: Ink) -> list[Piece]:
     compact = _compactness(ink.shape)
     if compact > _COMPACT:
         return [as_dot(ink.shape)]
-    return _parted(ink) if compact > _LOOSE else []
+    return _part_at_waists(ink) if compact > _LOOSE else []
 
 
 def _compactness(shape: Polygon) -> float:
@@ -50,7 +50,7 @@ def _compactness(shape: Polygon) -> float:
     return 4.0 * math.pi * float(shape.area) / float(shape.length) ** 2
 
 
-def _parted(ink: Ink) -> list[Piece]:
+def _part_at_waists(ink: Ink) -> list[InkStroke]:
     """A shape divided at its waists, where all that come of it are dots; else nothing.
 
     Every triangle goes to the core that is nearest: what is left of the shape without a rim that
@@ -75,7 +75,7 @@ def _parted(ink: Ink) -> list[Piece]:
     for one in parts:
         large = one.buffer(_OVERLAP * deepest, join_style="mitre").intersection(shape)
         whole = max(shapely.get_parts(large), key=shapely.area)  # a dot across a gap is another's
-        pieces.append(Piece(as_dot(one).line, whole))
+        pieces.append(InkStroke(as_dot(one).line, whole))
     return pieces
 
 
@@ -94,14 +94,14 @@ def dot_among(parts: Sequence[Polygon], lines: Sequence[AnyArray]) -> dict[int, 
         The character's strokes, in any frame.
     """
     size = float(np.ptp(np.concatenate(lines), axis=0).max())
-    dots = [k for k, line in enumerate(lines) if length_of(line) < _POINT * size]
+    dots = [k for k, line in enumerate(lines) if line_length(line) < _POINT * size]
     if len(parts) != 2 or len(lines) != 2 or len(dots) != 1:
         return {}
     small, large = sorted((0, 1), key=lambda k: float(parts[k].area))
     return {small: dots[0]} if parts[small].area < _SMALL * parts[large].area else {}
 
 
-def as_dot(shape: Polygon) -> Piece:
+def as_dot(shape: Polygon) -> InkStroke:
     """A dot with its line.
 
     A square one is written from corner to corner, which leaves the least of its corners bare; what
@@ -114,7 +114,7 @@ def as_dot(shape: Polygon) -> Piece:
     sizes = np.linalg.norm(sides, axis=1)
     long = int(np.argmax(sizes))
     if _COMPACT < _compactness(shape) < _SQUARE:
-        way, reach = _across(shape)
+        way, reach = _longest_diagonal(shape)
     else:
         is_round = bool(sizes[long] < _ROUND * sizes[1 - long])
         way = np.array([1.0, 0.0]) if is_round else sides[long] / sizes[long]
@@ -125,10 +125,10 @@ def as_dot(shape: Polygon) -> Piece:
     line = shapely.LineString([centre - 0.5 * reach * way, centre + 0.5 * reach * way])
     inside = line.intersection(shape)
     longest = max(shapely.get_parts(inside), key=lambda part: part.length)
-    return Piece(np.array(longest.coords), shape)
+    return InkStroke(np.array(longest.coords), shape)
 
 
-def _across(shape: Polygon) -> tuple[NDArray[np.float64], float]:
+def _longest_diagonal(shape: Polygon) -> tuple[NDArray[np.float64], float]:
     """The way between the corners that are farthest apart, downwards if it can be; how far."""
     import shapely
 

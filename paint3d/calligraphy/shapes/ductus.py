@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.shapes.regions import Piece
+from paint3d.calligraphy.polyline import arc_lengths, signed_area
+from paint3d.calligraphy.shapes.regions import InkStroke
 from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:
@@ -129,14 +130,16 @@ def known_strokes(source: GlyphSource, text: str) -> tuple[Glyph, ...]:
             forms.append(source.load(known))
             break
     if not forms and text in _OWN:
-        forms.append(Glyph(text, _listed(_OWN[text])))
+        forms.append(Glyph(text, _parse_strokes(_OWN[text])))
     alike = _ALIKE.get(text, text)
-    forms += [Glyph(text, _listed(lines)) for letter, lines in _ALSO if letter == alike]
-    forms += [JoinedForm(text, _listed(lines)) for letter, lines in _JOINED if letter == alike]
+    forms += [Glyph(text, _parse_strokes(lines)) for letter, lines in _ALSO if letter == alike]
+    forms += [
+        JoinedForm(text, _parse_strokes(lines)) for letter, lines in _JOINED if letter == alike
+    ]
     return tuple(forms)
 
 
-def _listed(lines: str) -> tuple[GlyphStroke, ...]:
+def _parse_strokes(lines: str) -> tuple[GlyphStroke, ...]:
     """The strokes of lines that are written as points "x,y x,y; x,y x,y"."""
     strokes = [
         np.array([[float(x) for x in point.split(",")] for point in line.split()])
@@ -296,7 +299,7 @@ def body_strokes(letters: Sequence[PlacedLetter]) -> Glyph | None:
     for one in letters:
         listed = _BY_LETTER.get(one.character, {}).get(one.form)
         found = found or listed is not None
-        lines = [_placed(line, one.box) for line in (listed or "1,.2 0,.2").split(";")]
+        lines = [_place_letter(line, one.box) for line in (listed or "1,.2 0,.2").split(";")]
         way.append(lines[0])
         added += lines[1:]
     if not found:
@@ -306,7 +309,7 @@ def body_strokes(letters: Sequence[PlacedLetter]) -> Glyph | None:
     return Glyph(text, tuple(GlyphStroke(np.empty((0, 2)), line) for line in lines))
 
 
-def _placed(line: str, box: AnyArray) -> NDArray[np.float64]:
+def _place_letter(line: str, box: AnyArray) -> NDArray[np.float64]:
     points = np.array([[float(x) for x in point.split(",")] for point in line.split()])
     placed: NDArray[np.float64] = box[:2] + points * (box[2:] - box[:2])
     return placed
@@ -342,9 +345,7 @@ def directed(line: AnyArray, region: Polygon | None = None) -> NDArray[np.float6
     What is left over of a known letter is told by its line alone: it has no taper of its own.
     """
     if np.array_equal(line[0], line[-1]):
-        x, y = line[:-1].T
-        leftwards = float(np.sum(np.roll(x, 1) * y - x * np.roll(y, 1))) > 0.0
-        return line if leftwards else line[::-1]
+        return line if signed_area(line[:-1]) > 0.0 else line[::-1]  # leftwards first
     easier = _ease(line) - _ease(line[::-1])
     if region is not None:
         easier += _POINTED * _taper(line, region)
@@ -355,7 +356,7 @@ def _taper(line: AnyArray, region: Polygon) -> float:
     """Logarithm of how much wider a stroke's first part is than its last, -1 to 1."""
     import shapely
 
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+    way = arc_lengths(line)
     at = way[-1] * np.array([_NEAR_ENDS, np.subtract(1.0, _NEAR_ENDS)])
     places = [np.interp(at.ravel(), way, line[:, axis]) for axis in (0, 1)]
     away = shapely.distance(shapely.points(*places), region.boundary)
@@ -376,7 +377,7 @@ def _ease(line: AnyArray) -> float:
     return total
 
 
-def in_writing_order(pieces: Sequence[Piece], *, runs_on: bool = False) -> list[Piece]:
+def in_writing_order(pieces: Sequence[InkStroke], *, runs_on: bool = False) -> list[InkStroke]:
     """Strokes in the order that they are written in, each in its direction.
 
     Parameters
@@ -385,7 +386,7 @@ def in_writing_order(pieces: Sequence[Piece], *, runs_on: bool = False) -> list[
     runs_on : bool
         Whether they are letters that are joined along a line, as in Arabic.
     """
-    turned = [Piece(directed(piece.line, piece.region), piece.region) for piece in pieces]
+    turned = [InkStroke(directed(piece.line, piece.region), piece.region) for piece in pieces]
     boxes = np.array([piece.region.bounds for piece in turned])
     areas = sum(piece.region.area for piece in turned)
     gap = _GAP * 2.0 * areas / sum(piece.region.length for piece in turned)
@@ -399,11 +400,11 @@ def in_writing_order(pieces: Sequence[Piece], *, runs_on: bool = False) -> list[
         aside = slope * line[0, 0] + _WHOLE * line[:, 0].mean()
         return float(aside - line[0, 1]) - early
 
-    order = _divided(list(range(len(turned))), boxes, gap, key)
-    return [turned[k] for k in _crossed(order, turned)]
+    order = _divide_by_gaps(list(range(len(turned))), boxes, gap, key)
+    return [turned[k] for k in _order_crossings(order, turned)]
 
 
-def _crossed(order: list[int], pieces: Sequence[Piece]) -> list[int]:
+def _order_crossings(order: list[int], pieces: Sequence[InkStroke]) -> list[int]:
     """Put level strokes before the upright ones that they cross."""
     import shapely
 
@@ -424,21 +425,21 @@ def _is_level(line: AnyArray) -> bool:
     return bool(wide > _LEVEL * high)
 
 
-def _divided(
+def _divide_by_gaps(
     here: list[int], boxes: AnyArray, gap: float, key: Callable[[int], float]
 ) -> list[int]:
     """Divide strokes by gaps between columns or rows, and order what has none by a key."""
     if len(here) == 1:
         return here
-    columns = _groups(here, boxes[:, 0], boxes[:, 2], gap)
-    rows = _groups(here, -boxes[:, 3], -boxes[:, 1], gap)
+    columns = _group_by_extent(here, boxes[:, 0], boxes[:, 2], gap)
+    rows = _group_by_extent(here, -boxes[:, 3], -boxes[:, 1], gap)
     best = columns if len(columns) >= len(rows) else rows
     if len(best) == 1:
         return sorted(here, key=key)
-    return [k for group in best for k in _divided(group, boxes, gap, key)]
+    return [k for group in best for k in _divide_by_gaps(group, boxes, gap, key)]
 
 
-def _groups(here: list[int], low: AnyArray, high: AnyArray, gap: float) -> list[list[int]]:
+def _group_by_extent(here: list[int], low: AnyArray, high: AnyArray, gap: float) -> list[list[int]]:
     """Strokes whose extents hang together, from the lowest on."""
     ordered = sorted(here, key=lambda k: float(low[k]))
     groups, reach = [[ordered[0]]], float(high[ordered[0]])

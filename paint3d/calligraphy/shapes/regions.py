@@ -11,18 +11,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.centre_line import smoothed
+from paint3d.calligraphy.centre_line import smooth_along
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.page.page import polygons_of, rings_of
-from paint3d.calligraphy.shapes.continuation import Chain, resampled
-from paint3d.calligraphy.shapes.skeleton import Junction, Skeleton, length_of
+from paint3d.calligraphy.polyline import arc_lengths, line_length, resample
+from paint3d.calligraphy.shapes.continuation import Chain
+from paint3d.calligraphy.shapes.skeleton import Junction, Skeleton
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:
     from shapely import LineString, Polygon
 
-__all__ = ["Ink", "Piece", "has_way", "line_of", "pieces_of", "shared_out", "with_stubs"]
+__all__ = ["Ink", "InkStroke", "has_way", "line_of", "pieces_of", "shared_out", "with_stubs"]
 
 _LEFT_OUT, _LEFT_OUT_SHARE = 0.9, 0.35  # radii and share of a branch: straight through a junction
 _CALM = 0.35  # half widths that lines are smoothed over
@@ -52,7 +53,7 @@ class Ink:
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class InkStroke:
     """One stroke: its line (N, 2) and its region."""
 
     line: NDArray[np.float64]
@@ -69,10 +70,10 @@ def line_of(chain: Chain, ink: Ink) -> NDArray[np.float64]:
         radii = [ink.skeleton.junctions[number].radius for number in ends]
         most = _LEFT_OUT_SHARE * branch.length
         cut = [min(_LEFT_OUT * radius, most) for radius in radii]
-        way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))]
+        way = arc_lengths(line)
         low = cut[0] if k > 0 or (chain.closed and n > 1) else 0.0
         high = way[-1] - (cut[1] if k + 1 < n or (chain.closed and n > 1) else 0.0)
-        parts.append(_between(line, way, low, high))
+        parts.append(_line_between(line, way, low, high))
     joined = np.concatenate(parts)
     return np.concatenate([joined, joined[:1]]) if chain.closed and n > 1 else joined
 
@@ -80,28 +81,29 @@ def line_of(chain: Chain, ink: Ink) -> NDArray[np.float64]:
 def has_way(chain: Chain, ink: Ink) -> bool:
     """Return whether a stroke has a length: junctions that fall together leave some without."""
     line = line_of(chain, ink)
-    return bool(length_of(line) > _NO_WAY * ink.half_widths(line).max())
+    return bool(line_length(line) > _NO_WAY * ink.half_widths(line).max())
 
 
-def _between(line: AnyArray, way: AnyArray, low: float, high: float) -> NDArray[np.float64]:
+def _line_between(line: AnyArray, way: AnyArray, low: float, high: float) -> NDArray[np.float64]:
     ends = [[np.interp(at, way, line[:, k]) for k in range(2)] for at in (low, high)]
     inner = line[(way > low) & (way < high)]
     return np.concatenate([ends[:1], inner, ends[1:]])
 
 
-def pieces_of(chains: Iterable[Chain], ink: Ink) -> list[Piece]:
+def pieces_of(chains: Iterable[Chain], ink: Ink) -> list[InkStroke]:
     """The strokes of an ink: their smoothed lines, and what is their own."""
     degrees = ink.skeleton.degrees()
     return [_piece_of(chain, ink, degrees) for chain in chains]
 
 
-def _piece_of(chain: Chain, ink: Ink, degrees: Counter[int]) -> Piece:
+def _piece_of(chain: Chain, ink: Ink, degrees: Counter[int]) -> InkStroke:
     """A stroke, whose own are the triangles along it and at junctions."""
     import shapely
 
     line = line_of(chain, ink)
     half = max(
-        float(np.median(ink.half_widths(resampled(line, 0.02 * length_of(line) + 1e-12, 8)))), 1e-9
+        float(np.median(ink.half_widths(resample(line, 0.02 * line_length(line) + 1e-12, 8)))),
+        1e-9,
     )
     cells: list[int] = []
     sweeps = []
@@ -113,18 +115,18 @@ def _piece_of(chain: Chain, ink: Ink, degrees: Counter[int]) -> Piece:
             if not ink.skeleton.is_shared(number, degrees):
                 cells += junction.cells
             else:
-                sweeps.append(_swept(branch.away_from(side), junction, line, ink))
+                sweeps.append(_swept_area(branch.away_from(side), junction, line, ink))
     region = ink.triangles.region(sorted(set(cells))) if cells else shapely.Polygon()
     grown = region.buffer(_OVERLAP * half, join_style="mitre")
     region = shapely.union_all([grown, *sweeps]).intersection(ink.shape)
-    return Piece(_calmed(line, half, region), region)
+    return InkStroke(_smooth_in_region(line, half, region), region)
 
 
-def _swept(branch: AnyArray, junction: Junction, line: AnyArray, ink: Ink) -> Polygon:
+def _swept_area(branch: AnyArray, junction: Junction, line: AnyArray, ink: Ink) -> Polygon:
     """Area that a stroke of the branch's width sweeps along its line near a junction."""
     import shapely
 
-    way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(branch, axis=0), axis=1))]
+    way = arc_lengths(branch)
     clear = min(1.2 * junction.radius, 0.5 * way[-1])
     outside = np.array([[np.interp(clear, way, branch[:, k]) for k in range(2)]])
     half = float(min(ink.half_widths(outside)[0], junction.radius))
@@ -133,27 +135,27 @@ def _swept(branch: AnyArray, junction: Junction, line: AnyArray, ink: Ink) -> Po
     return path.buffer(max(_SWELL * half, 1e-12))
 
 
-def _calmed(line: AnyArray, half: float, region: Polygon) -> NDArray[np.float64]:
+def _smooth_in_region(line: AnyArray, half: float, region: Polygon) -> NDArray[np.float64]:
     """Smooth a line as far as it stays in its region."""
     import shapely
 
-    step = min(_STEP * half, length_of(line) / 8.0)
-    even = resampled(line, max(step, 1e-12), 4)
+    step = min(_STEP * half, line_length(line) / 8.0)
+    even = resample(line, max(step, 1e-12), 4)
     shapely.prepare(region)
     calm = _CALM
     while calm > _LEAST_CALM:
-        points = smoothed(even, calm * half / step)
+        points = smooth_along(even, calm * half / step)
         if region.covers(shapely.LineString(points)):
             return points
         calm *= 0.5
     return even if region.covers(shapely.LineString(even)) else line
 
 
-def shared_out(pieces: Sequence[Piece], ink: Ink) -> list[Piece]:
+def shared_out(pieces: Sequence[InkStroke], ink: Ink) -> list[InkStroke]:
     """Make every region one polygon, and what no stroke has to the one it touches most."""
     import shapely
 
-    regions = [_along(piece.region, piece.line) for piece in pieces]
+    regions = [_polygon_along(piece.region, piece.line) for piece in pieces]
     tiny = _NONE * ink.shape.area
     for _ in range(3):
         rest = ink.shape.difference(shapely.union_all(regions))
@@ -166,14 +168,14 @@ def shared_out(pieces: Sequence[Piece], ink: Ink) -> list[Piece]:
             touch = [float(rim.intersection(region).area) for region in regions]
             k = int(np.argmax(touch))
             joined = shapely.union_all([regions[k], rim.intersection(ink.shape)])
-            regions[k] = _along(joined, pieces[k].line)
+            regions[k] = _polygon_along(joined, pieces[k].line)
     return [
-        Piece(_within(piece.line, region), region)
+        InkStroke(_longest_within(piece.line, region), region)
         for piece, region in zip(pieces, regions, strict=True)
     ]
 
 
-def _along(region: Polygon, line: AnyArray) -> Polygon:
+def _polygon_along(region: Polygon, line: AnyArray) -> Polygon:
     """The polygon of a region that has most of a line in it."""
     import shapely
 
@@ -183,7 +185,7 @@ def _along(region: Polygon, line: AnyArray) -> Polygon:
     return parts[inside.index(max(inside))]
 
 
-def _within(line: AnyArray, region: Polygon) -> NDArray[np.float64]:
+def _longest_within(line: AnyArray, region: Polygon) -> NDArray[np.float64]:
     """The longest piece of a line that lies in a region."""
     import shapely
 
@@ -227,11 +229,11 @@ def with_stubs(strokes: Sequence[GlyphStroke], bold: float) -> list[GlyphStroke]
     found: list[GlyphStroke] = []
     for stroke in strokes:
         found.append(stroke)
-        found.extend(_stubs(stroke, bold))
+        found.extend(_find_stubs(stroke, bold))
     return found
 
 
-def _stubs(stroke: GlyphStroke, bold: float) -> list[GlyphStroke]:
+def _find_stubs(stroke: GlyphStroke, bold: float) -> list[GlyphStroke]:
     """Short strokes outwards from a line that would leave parts of its region bare."""
     import shapely
 
@@ -252,11 +254,11 @@ def _stubs(stroke: GlyphStroke, bold: float) -> list[GlyphStroke]:
         there = max(half, float(radii[round(near)]))
         radius = float(shapely.length(shapely.maximum_inscribed_circle(part)))
         if radius > _LEAST_RADIUS * there and part.area > _LEAST_AREA * (2.0 * there) ** 2:
-            stubs.append(_stub(part, region, line, half))
+            stubs.append(_make_stub(part, region, line, half))
     return [stub for stub in stubs if stub is not None]
 
 
-def _stub(part: Polygon, region: Polygon, line: LineString, half: float) -> GlyphStroke | None:
+def _make_stub(part: Polygon, region: Polygon, line: LineString, half: float) -> GlyphStroke | None:
     """A stroke from the far end of a bare part into the stroke that it sticks out of."""
     import shapely
 

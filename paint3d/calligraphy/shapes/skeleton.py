@@ -12,10 +12,11 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.calligraphy.polyline import arc_lengths, line_length
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.arrays import AnyArray
 
-__all__ = ["Branch", "Junction", "Skeleton", "length_of", "skeleton_of", "tidy"]
+__all__ = ["Branch", "Junction", "Skeleton", "skeleton_of", "tidy"]
 
 
 @dataclass(eq=False)
@@ -69,7 +70,7 @@ class Branch:
     @cached_property
     def length(self) -> float:
         """Of its line."""
-        return length_of(self.line)
+        return line_length(self.line)
 
     def extend(self, side: int, line: AnyArray) -> None:
         """Go on along a line from its first (0) or last point (1), which is the line's first."""
@@ -80,11 +81,6 @@ class Branch:
     def away_from(self, side: int) -> NDArray[np.float64]:
         """Its line from its first (0) or its last point (1) on."""
         return self.line[::-1] if side else self.line
-
-
-def length_of(line: AnyArray) -> float:
-    """The length of a line (N, 2)."""
-    return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
 @dataclass(eq=False)
@@ -134,7 +130,7 @@ def tidy(skeleton: Skeleton) -> None:
     tidying.prune()
     tidying.fold()
     tidying.merge()
-    skeleton.branches = list(tidying.came)
+    skeleton.branches = list(tidying.order)
 
 
 class _Tidying:
@@ -144,8 +140,8 @@ class _Tidying:
     ----------
     junctions : dict of int to Junction
         The skeleton's own.
-    came : dict of Branch to int
-        The branches in order, and as the how manieth each came.
+    order : dict of Branch to int
+        The branches in order, with the order in which each was added.
     here : dict of int to dict of (Branch, int)
         The branches at each junction with the side of each that is there, in order (the values say
         nothing).
@@ -153,7 +149,7 @@ class _Tidying:
 
     def __init__(self, skeleton: Skeleton) -> None:
         self.junctions = skeleton.junctions
-        self.came: dict[Branch, int] = {}
+        self.order: dict[Branch, int] = {}
         self.here: dict[int, dict[tuple[Branch, int], None]] = {}
         self._newest = 0
         for branch in skeleton.branches:
@@ -165,34 +161,34 @@ class _Tidying:
 
     def _add(self, branch: Branch) -> None:
         self._newest += 1
-        self.came[branch] = self._newest
+        self.order[branch] = self._newest
         for side in (0, 1):
             self.here.setdefault(branch.ends[side], {})[branch, side] = None
 
     def _remove(self, branch: Branch) -> None:
-        del self.came[branch]
+        del self.order[branch]
         for side in (0, 1):
             del self.here[branch.ends[side]][branch, side]
 
-    def _at(self, number: int) -> list[Branch]:
+    def _branches_at(self, number: int) -> list[Branch]:
         """The branches at a junction, each once."""
         return list(dict.fromkeys(branch for branch, _ in self.here[number]))
 
     def prune(self) -> None:
         """Leave out branches that hardly stick out of their junction, the least first."""
         out = _Least()
-        out.set((branch, self._sticks_out(branch), came) for branch, came in self.came.items())
+        out.set((branch, self._sticks_out(branch), order) for branch, order in self.order.items())
         while (least := out.pop(_STICKS_OUT)) is not None:
             tip, base = sorted(least.ends, key=self.degree)
             self._remove(least)
             self.junctions[base].cells += least.cells + self.junctions.pop(tip).cells
-            changed = self._at(base)
+            changed = self._branches_at(base)
             joined = self._pass_through(base)
             if joined is not None:
                 for gone in changed:
                     out.forget(gone)
                 changed = [joined]
-            out.set((branch, self._sticks_out(branch), self.came[branch]) for branch in changed)
+            out.set((branch, self._sticks_out(branch), self.order[branch]) for branch in changed)
 
     def _sticks_out(self, branch: Branch) -> float:
         """Reach of a branch with a free end out of its junction, in radii of that."""
@@ -224,9 +220,9 @@ class _Tidying:
 
     def fold(self) -> None:
         """Lead lines into the tips of sharp folds, where two legs of a stroke run together."""
-        for spur in list(self.came):
+        for spur in list(self.order):
             tip, base = sorted(spur.ends, key=self.degree)
-            if spur not in self.came or self.degree(tip) != 1 or self.degree(base) != 3:
+            if spur not in self.order or self.degree(tip) != 1 or self.degree(base) != 3:
                 continue
             here = [(b, side) for b, side in self.here[base] if b is not spur]
             if len(here) != 2 or here[0][0] is here[1][0]:
@@ -234,7 +230,7 @@ class _Tidying:
             out = spur.away_from(0 if spur.ends[0] == base else 1)
             if not _is_fold(out, self.junctions[base], [b.away_from(s) for b, s in here]):
                 continue
-            way = np.r_[0.0, np.cumsum(np.linalg.norm(np.diff(out, axis=0), axis=1))]
+            way = arc_lengths(out)
             into = out[way <= max(way[-1] - self.junctions[base].radius, 0.0)]
             self._remove(spur)
             self.junctions[base].cells += spur.cells + self.junctions.pop(tip).cells
@@ -245,17 +241,21 @@ class _Tidying:
     def merge(self) -> None:
         """Make one junction of those that lie within each other's reach, the nearest first."""
         apart = _Least()
-        apart.set((branch, self._apart(branch), came) for branch, came in self.came.items())
+        apart.set(
+            (branch, self._distance_in_radii(branch), order) for branch, order in self.order.items()
+        )
         while (between := apart.pop(_ONE_JUNCTION)) is not None:
             one, two = between.ends
             self._remove(between)
             self.junctions[one].cells += between.cells
             if one != two:
-                self._take_in(one, two)
-            changed = self._at(one)
-            apart.set((branch, self._apart(branch), self.came[branch]) for branch in changed)
+                self._merge_into(one, two)
+            changed = self._branches_at(one)
+            apart.set(
+                (branch, self._distance_in_radii(branch), self.order[branch]) for branch in changed
+            )
 
-    def _take_in(self, one: int, two: int) -> None:
+    def _merge_into(self, one: int, two: int) -> None:
         """Make the second junction a part of the first."""
         kept, gone = self.junctions[one], self.junctions.pop(two)
         kept.members = kept.members + gone.members
@@ -266,10 +266,10 @@ class _Tidying:
         for branch, _ in ends:
             a, b = branch.ends
             branch.ends = (one if a == two else a, one if b == two else b)
-        ends.sort(key=lambda end: (self.came[end[0]], end[1]))
+        ends.sort(key=lambda end: (self.order[end[0]], end[1]))
         self.here[one] = dict.fromkeys(ends)
 
-    def _apart(self, branch: Branch) -> float:
+    def _distance_in_radii(self, branch: Branch) -> float:
         """Length of a branch between two junctions, in radii of the larger."""
         one, two = branch.ends
         if min(self.degree(one), self.degree(two)) < 3:
@@ -286,10 +286,10 @@ class _Least:
         self._heap: list[tuple[float, int, Branch]] = []
 
     def set(self, figures: Iterable[tuple[Branch, float, int]]) -> None:
-        """Give branches other figures: with each, as the how manieth it came."""
-        for branch, figure, came in figures:
+        """Give branches other figures, with the order in which each was added."""
+        for branch, figure, order in figures:
             self._figures[branch] = figure
-            heapq.heappush(self._heap, (figure, came, branch))
+            heapq.heappush(self._heap, (figure, order, branch))
 
     def forget(self, branch: Branch) -> None:
         """Leave a branch out."""
@@ -316,7 +316,7 @@ def _is_fold(out: AnyArray, base: Junction, legs: list[AnyArray]) -> bool:
     if max(back) > _FOLDED or half > 0.5 * _FOLDED or half <= 0.0:
         return False
     thick = base.radius * 0.5 / math.cos(half) + 0.5 * base.radius
-    return length_of(out) <= _FOLD_REACH * thick * (1.0 + 1.0 / math.sin(half))
+    return line_length(out) <= _FOLD_REACH * thick * (1.0 + 1.0 / math.sin(half))
 
 
 def _cosine(one: AnyArray, two: AnyArray) -> float:
@@ -330,12 +330,12 @@ def _cosine(one: AnyArray, two: AnyArray) -> float:
 
 def skeleton_of(triangles: Triangles) -> Skeleton:
     """The tidied skeleton of a shape."""
-    skeleton = _traced(triangles)
+    skeleton = _trace(triangles)
     tidy(skeleton)
     return skeleton
 
 
-def _traced(triangles: Triangles) -> Skeleton:
+def _trace(triangles: Triangles) -> Skeleton:
     """Walk from every triangle that has not two neighbours along those that have."""
     degrees = triangles.degrees()
     numbers = np.flatnonzero(degrees != 2)
@@ -349,14 +349,14 @@ def _traced(triangles: Triangles) -> Skeleton:
     branches: list[Branch] = []
     for start in numbers:
         for k in range(3):
-            branch = _walked(triangles, int(start), k, seen)
+            branch = _walk_branch(triangles, int(start), k, seen)
             if branch is not None:
                 first, last = (junctions[number].point[None] for number in branch.ends)
                 line = np.concatenate([first, branch.line, last])
                 branches.append(replace(branch, line=line))
     for start in np.flatnonzero(~seen):  # what is left are rings
         if not seen[start]:
-            branches.append(_ring(triangles, int(start), seen))
+            branches.append(_walk_ring(triangles, int(start), seen))
             point = branches[-1].line[0]
             radius = float(triangles.to_edge(point[None])[0])
             junctions[int(start)] = Junction(point, radius, [])
@@ -372,7 +372,9 @@ def _node(triangles: Triangles, t: int, degree: int) -> NDArray[np.float64]:
     return result
 
 
-def _walked(triangles: Triangles, start: int, k: int, seen: NDArray[np.bool_]) -> Branch | None:
+def _walk_branch(
+    triangles: Triangles, start: int, k: int, seen: NDArray[np.bool_]
+) -> Branch | None:
     """The branch through edge k of a triangle, or None where it is known or there is none."""
     first = triangles.beyond[start][k]
     if first < 0 or (seen[first] and triangles.beyond[first].count(-1) == 1):
@@ -386,7 +388,7 @@ def _walked(triangles: Triangles, start: int, k: int, seen: NDArray[np.bool_]) -
     return Branch((start, here), triangles.middles_of_edges[cells, ways], cells[1:], gates)
 
 
-def _ring(triangles: Triangles, start: int, seen: NDArray[np.bool_]) -> Branch:
+def _walk_ring(triangles: Triangles, start: int, seen: NDArray[np.bool_]) -> Branch:
     """A branch that closes on itself, from the start's number to itself."""
     seen[start] = True
     first = int(np.argmax(triangles.neighbours[start] >= 0))

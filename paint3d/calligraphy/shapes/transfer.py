@@ -1,6 +1,6 @@
 """Carrying the strokes of a known character onto a shape: which branch belongs to which stroke.
 
-The known lines are laid over the skeleton (`registration`); every point of it goes to the stroke
+The known lines are laid over the skeleton (`register`); every point of it goes to the stroke
 that runs alike nearest to it, with a price on each change along a branch. Branches are cut where
 the stroke changes, and joined through junctions where it does not.
 """
@@ -14,11 +14,12 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, resampled, turns_between
+from paint3d.calligraphy.polyline import line_length, resample
+from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, turns_between
 from paint3d.calligraphy.shapes.corners import cut_branch
 from paint3d.calligraphy.shapes.ductus import directed
-from paint3d.calligraphy.shapes.regions import Ink, Piece, line_of
-from paint3d.calligraphy.shapes.skeleton import Branch, length_of
+from paint3d.calligraphy.shapes.regions import Ink, InkStroke, line_of
+from paint3d.calligraphy.shapes.skeleton import Branch
 from paint3d.core.arrays import AnyArray
 
 __all__ = [
@@ -93,17 +94,17 @@ def register(
     low, high = np.percentile(targets, _OUTER, axis=0)
     scale = _SIDE / max(float((high - low).max()), 1e-12)
     goals = (targets - low) * scale
-    starts = _laid_over(lines, goals) if start == "box" else _slanted(lines, goals, start)
-    total = sum(length_of(line) for line in starts)
+    starts = _fit_boxes(lines, goals) if start == "box" else _fit_moments(lines, goals, start)
+    total = sum(line_length(line) for line in starts)
     step = max(_LEAST_STEP, total / _MOST_POINTS)
-    starts = [resampled(line, step, 4) for line in starts]
-    moved = _drifted(starts, goals, tangents)
+    starts = [resample(line, step, 4) for line in starts]
+    moved = _drift(starts, goals, tangents)
     return [low + line / scale for line in moved]
 
 
-def _laid_over(lines: Sequence[AnyArray], goals: AnyArray) -> list[NDArray[np.float64]]:
+def _fit_boxes(lines: Sequence[AnyArray], goals: AnyArray) -> list[NDArray[np.float64]]:
     """Stretch lines so that their box is that of the goals."""
-    points = np.concatenate([resampled(line, length_of(line) / 20.0, 20) for line in lines])
+    points = np.concatenate([resample(line, line_length(line) / 20.0, 20) for line in lines])
     mine, wanted = (np.percentile(values, _OUTER, axis=0) for values in (points, goals))
     size = np.maximum(mine[1] - mine[0], 0.07 * float((mine[1] - mine[0]).max()) + 1e-12)
     stretch = (wanted[1] - wanted[0]) / size
@@ -112,9 +113,11 @@ def _laid_over(lines: Sequence[AnyArray], goals: AnyArray) -> list[NDArray[np.fl
     return [(line - mine.mean(axis=0)) * stretch + wanted.mean(axis=0) for line in lines]
 
 
-def _slanted(lines: Sequence[AnyArray], goals: AnyArray, start: str) -> list[NDArray[np.float64]]:
+def _fit_moments(
+    lines: Sequence[AnyArray], goals: AnyArray, start: str
+) -> list[NDArray[np.float64]]:
     """Stretch and slant lines so that their first and second moments are those of the goals."""
-    points = np.concatenate([resampled(line, length_of(line) / 20.0, 20) for line in lines])
+    points = np.concatenate([resample(line, line_length(line) / 20.0, 20) for line in lines])
     if start == "swash":
         across = (np.linalg.inv(_lower_root(goals)) @ (goals - goals.mean(axis=0)).T)[0]
         goals = goals[across > np.percentile(across, _SWASH)]
@@ -132,7 +135,7 @@ def _lower_root(points: AnyArray) -> NDArray[np.float64]:
     return result
 
 
-def _drifted(
+def _drift(
     lines: Sequence[AnyArray], goals: AnyArray, tangents: AnyArray
 ) -> list[NDArray[np.float64]]:
     start = np.concatenate(lines)
@@ -272,7 +275,7 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
     targets, tangents = [], []
     for ink in inks:
         for branch in ink.skeleton.branches:
-            points = resampled(branch.line, _STEP * width, 3)
+            points = resample(branch.line, _STEP * width, 3)
             targets.append(points)
             tangents.append(tangents_of(points))
         if not ink.skeleton.branches:
@@ -283,7 +286,7 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
     best: tuple[float, KnownStrokes] | None = None
     for start in STARTS:
         moved = register(lines, *goals, start=start)
-        known = _known([resampled(line, width / _SAMPLE, 6) for line in moved], width)
+        known = _known_points([resample(line, width / _SAMPLE, 6) for line in moved], width)
         along = [known.costs(one).min(axis=1) for one in targets if len(one) > 1]
         away = known.missed(targets) + float(np.mean(np.concatenate([np.zeros(1), *along])))
         if best is None or away < best[0]:
@@ -294,7 +297,7 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
     return best[1]
 
 
-def _known(lines: Sequence[NDArray[np.float64]], width: float) -> KnownStrokes:
+def _known_points(lines: Sequence[NDArray[np.float64]], width: float) -> KnownStrokes:
     return KnownStrokes(
         np.concatenate(lines),
         np.concatenate([tangents_of(line) for line in lines]),
@@ -332,11 +335,11 @@ def fit_of(
         How far shape and lines are from each other, in the mean both ways, widths.
     """
     lines = [
-        resampled(branch.line, _STEP * known.width, 3)
+        resample(branch.line, _STEP * known.width, 3)
         for ink in inks
         for branch in ink.skeleton.branches
     ]
-    lengths = [length_of(line) for line in lines]
+    lengths = [line_length(line) for line in lines]
     total = sum(length * known.residual(line) for length, line in zip(lengths, lines, strict=True))
     away = total / max(sum(lengths), 1e-300)
     missed = known.missed(lines) if lines else 0.0
@@ -392,7 +395,7 @@ def label_chains(ink: Ink, known: KnownStrokes, *, tear: bool = True) -> Labelle
     labelled = [(chain, _stroke_of(chain, ink, known)) for chain in chains]
     if not tear:
         return Labelled(labelled, torn)
-    lengths = [length_of(line_of(chain, ink)) for chain in chains]
+    lengths = [line_length(line_of(chain, ink)) for chain in chains]
     longest = {
         k: max(n for n, (_, j) in zip(lengths, labelled, strict=True) if j == k)
         for _, k in labelled
@@ -412,7 +415,7 @@ def _stroke_of(chain: Chain, ink: Ink, known: KnownStrokes) -> int:
 
 
 def _label(branch: Branch, known: KnownStrokes) -> int:
-    costs = known.costs(resampled(branch.line, _STEP * known.width, 3))
+    costs = known.costs(resample(branch.line, _STEP * known.width, 3))
     inner = costs[len(costs) // 5 : len(costs) - len(costs) // 5]
     return int(np.argmin(inner.sum(axis=0)))
 
@@ -429,7 +432,7 @@ def _ends_on(
     whole : bool
         Whether it lies on one stroke: stations are those of its halves, led on to its ends.
     """
-    line = resampled(branch.line, _STEP * known.width, 6)
+    line = resample(branch.line, _STEP * known.width, 6)
     if whole:
         stroke, half = _label(branch, known), len(line) // 2
         first, last = (known.station_of(part, stroke) for part in (line[:half], line[half:]))
@@ -471,7 +474,7 @@ def _change_in(
 
     Where smooth lines are not torn, at a corner.
     """
-    points = resampled(branch.line, _STEP * known.width, 3)
+    points = resample(branch.line, _STEP * known.width, 3)
     step = branch.length / (len(points) - 1)
     reach = max(2, round(known.width / max(step, 1e-12)))
     if len(points) < 2 * reach:
@@ -509,33 +512,33 @@ def _cheapest(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
 
 
 def in_known_order(
-    pieces: Sequence[tuple[Piece, int | None]],
+    pieces: Sequence[tuple[InkStroke, int | None]],
     known: KnownStrokes,
     *,
     by_start: bool = False,
     dots: Collection[int] = (),
-) -> list[Piece]:
+) -> list[InkStroke]:
     """Pieces, each with its known stroke if it has one, in order and direction of these.
 
     By their start instead of their middle where strokes are as long as many pieces. A piece without
     a known stroke is no part of those that are dots, however near it is.
     """
-    placed: list[tuple[float, int, Piece, float]] = []
+    placed: list[tuple[float, int, InkStroke, float]] = []
     for piece, stroke in pieces:
-        line = resampled(piece.line, _STEP * known.width, 5)
+        line = resample(piece.line, _STEP * known.width, 5)
         place, forward = known.placed(line, stroke, dots)
         turned = piece.line if forward >= 0.0 else piece.line[::-1]
         if abs(forward) < _UNCLEAR or known.residual(line) > _STRANGE:
             turned, forward = directed(piece.line), 0.0
         if by_start:
-            begins = resampled(turned, _STEP * known.width, 5)
+            begins = resample(turned, _STEP * known.width, 5)
             begins = begins[: max(3, round(_NEAR_END / _STEP))]
             place, _ = known.placed(begins, stroke, dots)
-        placed.append((place, len(placed), Piece(turned, piece.region), abs(forward)))
-    ordered: list[Piece] = []
+        placed.append((place, len(placed), InkStroke(turned, piece.region), abs(forward)))
+    ordered: list[InkStroke] = []
     for _, _, piece, sure in sorted(placed, key=lambda entry: entry[:2]):
         if ordered and not by_start and _runs_back(ordered[-1].line, piece.line, sure, known.width):
-            piece = Piece(piece.line[::-1], piece.region)
+            piece = InkStroke(piece.line[::-1], piece.region)
         ordered.append(piece)
     return ordered
 
@@ -548,7 +551,7 @@ def _runs_back(before: AnyArray, line: AnyArray, sure: float, width: float) -> b
     away = np.linalg.norm(line[[0, -1]] - before[-1], axis=1)
     if not away[1] < _TOUCHING * width < away[0]:
         return False
-    ways = [resampled(one, _STEP * width, 5) for one in (before, line[::-1])]
+    ways = [resample(one, _STEP * width, 5) for one in (before, line[::-1])]
     reach = max(2, round(1.0 / _STEP))
     arrives, leaves = ways[0][-1] - ways[0][-1 - reach], ways[1][reach] - ways[1][0]
     smooth = float(turns_between(arrives[None], leaves[None])[0]) < _RUNS_ON

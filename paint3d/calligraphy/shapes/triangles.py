@@ -84,7 +84,7 @@ class Triangles:
         return result
 
     @cached_property
-    def _edges(self) -> tuple[NDArray[np.object_], STRtree]:
+    def _edge_index(self) -> tuple[NDArray[np.object_], STRtree]:
         """The edge's segments, and a tree that finds the nearest of them."""
         import shapely
 
@@ -97,7 +97,7 @@ class Triangles:
         """Distances of points (N, 2) to the edge."""
         import shapely
 
-        lines, tree = self._edges
+        lines, tree = self._edge_index
         places = shapely.points(points)
         result: NDArray[np.float64] = shapely.distance(places, lines[tree.nearest(places)])
         reach = (1.0 + _ROUNDED) * result  # of some that are as near, the tree takes any

@@ -134,7 +134,7 @@ def _fit(options: argparse.Namespace) -> None:
     )
     from paint3d.brush.presets import (
         check_brush_name,
-        check_unlike_presets,
+        check_not_preset,
         load_brush,
         load_presets,
         write_brush,
@@ -149,7 +149,7 @@ def _fit(options: argparse.Namespace) -> None:
     check_output_folder(options.out.parent)
     name = options.out.stem
     check_brush_name(name)
-    check_unlike_presets(name, load_presets())
+    check_not_preset(name, load_presets())
     check_overwriting((options.out,), (options.base, options.table), force=options.force)
     base = load_brush(options.base)
     if options.length is not None and options.length != base.length_mm:

@@ -46,7 +46,8 @@ class Glaze(NamedTuple):
 
     paints: NDArray[np.float32]  # (W, P, 2), K and S of each pigment per coat
     weights: NDArray[np.float32]  # (W, 3), of each band in R, G, B
-    gloss: NDArray[np.float32]  # (2,), Saunderson's k1 and k2 of the wet film; 0 for matt paint
+    saunderson: NDArray[np.float32]  # (2,), k1 and k2 of a glossy film
+    films: NDArray[np.float32]  # (P, 2), 1 where a pigment leaves a film, 1 where that is glossy
 
 
 @kernel(error_model="numpy")
@@ -75,24 +76,42 @@ def _fill_ground(ids, start, size, ground, backing):
 
 
 @kernel(error_model="numpy")
+def _weigh_gloss(glaze, layer, outer, inner):
+    """k1 and k2 (BLOCK,) of each vertex's film: as much of them as it holds of glossy paint."""
+    zero = np.float32(0.0)
+    most_outer, most_inner = glaze.saunderson[0], glaze.saunderson[1]
+    outer[:] = zero
+    inner[:] = zero
+    for i in range(layer.shape[0]):
+        film, glossy = glaze.films[i, 0], glaze.films[i, 1]
+        for j in range(BLOCK):
+            outer[j] += film * layer[i, j]
+            inner[j] += glossy * layer[i, j]
+    for j in range(BLOCK):
+        fraction = inner[j] / outer[j] if inner[j] > zero else zero
+        outer[j] = most_outer * fraction
+        inner[j] = most_inner * fraction
+
+
+@kernel(error_model="numpy")
 def _shine_block(wet, start, size, glaze, ground, layer, work, seen):
     """Reflectance as measured (W, BLOCK) of a block: covered and bare light mixed by area."""
-    paints, gloss = glaze.paints, glaze.gloss
+    paints = glaze.paints
     one, zero = np.float32(1.0), np.float32(0.0)
-    outer, inner = gloss[0], gloss[1]
-    passed = (one - outer) * (one - inner)
-    black, white, cover = work[0], work[1], work[2]
+    black, white, cover, outer, inner = work[0], work[1], work[2], work[3], work[4]
     _fill_ground(wet.vertex_ids, start, size, ground, seen)
     cover[:] = zero
     fill_layers(wet, start, size, layer, cover)
+    _weigh_gloss(glaze, layer, outer, inner)
     for w in range(paints.shape[0]):
         mix_paints(paints[w], layer, black, white)
         for j in range(BLOCK):
             bare = seen[w, j]
-            below = bare - outer
-            below = max(below, zero) / (passed + inner * below)
+            passed = (one - outer[j]) * (one - inner[j])
+            below = bare - outer[j]
+            below = max(below, zero) / (passed + inner[j] * below)
             top, bottom = shine(black[j], white[j], below)
-            painted = outer + passed * top / (bottom - inner * top)
+            painted = outer[j] + passed * top / (bottom - inner[j] * top)
             seen[w, j] = bare + cover[j] * (painted - bare)
 
 
@@ -115,7 +134,7 @@ def glazed_colours(wet, glaze, ground, shown):
     codes, out_rgb, out_srgb = shown.codes, shown.linear_rgb, shown.srgb
     n_paints, n_bands = paints.shape[1], paints.shape[0]
     layer = np.zeros((n_paints, BLOCK), np.float32)
-    work = np.empty((3, BLOCK), np.float32)
+    work = np.empty((5, BLOCK), np.float32)
     seen = np.empty((n_bands, BLOCK), np.float32)
     scale = np.float32(codes.size - 1)
     half, zero, one = np.float32(0.5), np.float32(0.0), np.float32(1.0)
@@ -133,7 +152,8 @@ def glazed_colours(wet, glaze, ground, shown):
                 v = vertex_ids[start + j]
                 if out_rgb.size:
                     out_rgb[v, h] = rgb[j]
-                value = min(max(rgb[j], zero), one)
+                value = rgb[j] if rgb[j] > zero else zero  # what is no number, too
+                value = min(value, one)
                 out_srgb[v, h] = codes[np.int32(value * scale + half)]
 
 
@@ -147,7 +167,7 @@ def dry_vertices(wet, glaze, ground, rows):
     vertex_ids, paints = wet.vertex_ids, glaze.paints
     n_paints, n_bands = paints.shape[1], paints.shape[0]
     layer = np.zeros((n_paints, BLOCK), np.float32)
-    work = np.empty((3, BLOCK), np.float32)
+    work = np.empty((5, BLOCK), np.float32)
     seen = np.empty((n_bands, BLOCK), np.float32)
     steps, half = np.float32(SPECTRUM_STEPS), np.float32(0.5)
     zero, one = np.float32(0.0), np.float32(1.0)

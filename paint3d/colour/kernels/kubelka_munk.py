@@ -4,9 +4,6 @@
 precision on blocks of vertices, band by band, so that the inner loops run in SIMD lanes. They
 are elementwise and always run whole blocks (the last one is padded): a vertex gets the same
 bits whatever its place in the list, the order or the number of threads.
-
-Saunderson's correction costs nothing here: with R = N/D the light that leaves a glossy film is
-k1 + (1 - k1)(1 - k2) N / (D - k2 N), so its factors go into the weights and the offset.
 """
 
 from __future__ import annotations
@@ -61,12 +58,11 @@ class Wet(NamedTuple):
 
 
 class Film(NamedTuple):
-    """How mixtures of P pigments on one backing look, from W bands."""
+    """How mixtures of P matt pigments on one backing look, from W bands."""
 
     paints: NDArray[np.float32]  # (W, P, 2), K and S of each pigment per coat
-    bands: NDArray[np.float32]  # (W, 4), internal reflectance below; weights in R, G, B
-    bare: NDArray[np.float32]  # (2, 3), linear RGB bare; offset when painted (first-surface gloss)
-    inner_loss: np.float32  # Saunderson's k2, 0 for matt paint
+    bands: NDArray[np.float32]  # (W, 4), reflectance below; weights in R, G, B
+    bare: NDArray[np.float32]  # (1, 3), linear RGB of the bare surface
 
 
 class OneInk(NamedTuple):
@@ -180,7 +176,7 @@ def mixture_colours(wet, film, shown):
     shown : Shown
         Only the rows named by `wet.vertex_ids` are written.
     """
-    paints, bands, inner_loss = film.paints, film.bands, film.inner_loss
+    paints, bands = film.paints, film.bands
     n_paints, n_bands = paints.shape[1], paints.shape[0]
     layer = np.zeros((n_paints, BLOCK), np.float32)
     black, white = np.empty(BLOCK, np.float32), np.empty(BLOCK, np.float32)
@@ -195,7 +191,7 @@ def mixture_colours(wet, film, shown):
             mix_paints(paints[w], layer, black, white)
             for j in range(BLOCK):
                 top, bottom = shine(black[j], white[j], ground)
-                r = top / (bottom - inner_loss * top)
+                r = top / bottom
                 rgb[0, j] += red * r
                 rgb[1, j] += green * r
                 rgb[2, j] += blue * r
@@ -211,7 +207,7 @@ def _write_block(vertex_ids, cover, rgb, bare, shown):
     for j in range(vertex_ids.size):
         v, c = vertex_ids[j], cover[j]
         for h in range(3):
-            value = (one - c) * bare[0, h] + c * (bare[1, h] + rgb[h, j])
+            value = (one - c) * bare[0, h] + c * rgb[h, j]
             if out_rgb.size:
                 out_rgb[v, h] = value
             seen = value if value > zero else zero

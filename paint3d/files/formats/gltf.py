@@ -194,6 +194,28 @@ def unpack_draco(
     return values
 
 
+def _undo_octahedra(values: AnyArray, count: int, size: int) -> AnyArray:
+    """Unit vectors of codes on an octahedron: x, y, what is 1, and what stays, int8 or int16.
+
+    By EXT_meshopt_compression, in float32; meshoptimizer's own takes the processor's estimate of
+    1/sqrt, which rounds some otherwise on one of another make.
+    """
+    if size not in (4, 8):
+        raise ValueError(f"octahedra of {size} bytes")
+    kind = np.dtype(np.int8 if size == 4 else np.int16)
+    codes = values.view(kind).reshape(count, 4)
+    x, y, z = codes[:, :3].T.astype(np.float32)
+    z = z - np.abs(x) - np.abs(y)
+    fold = np.minimum(z, np.float32(0.0))
+    folded = [part + np.where(part >= 0.0, fold, -fold) for part in (x, y)]
+    vectors = np.stack([*folded, z], axis=1)
+    lengths = np.sqrt(vectors[:, 0] ** 2 + vectors[:, 1] ** 2 + vectors[:, 2] ** 2)
+    longest = np.float32(127 if size == 4 else 32767)
+    vectors *= np.divide(longest, lengths, out=lengths.copy(), where=lengths > 0.0)[:, None]
+    codes[:, :3] = np.rint(vectors)
+    return codes
+
+
 def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
     """The bytes of a buffer view that is packed by meshopt.
 
@@ -226,7 +248,7 @@ def unpack_meshopt(data: bytes, packed: dict[str, Any]) -> bytes:
         )
     filters = {
         "NONE": None,
-        "OCTAHEDRAL": meshoptimizer.decode_filter_oct,
+        "OCTAHEDRAL": _undo_octahedra,
         "QUATERNION": meshoptimizer.decode_filter_quat,
         "EXPONENTIAL": meshoptimizer.decode_filter_exp,
     }

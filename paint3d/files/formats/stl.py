@@ -23,10 +23,10 @@ __all__ = ["read_stl"]
 
 HEADER = 84
 FACET = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-VERTEX = re.compile(rb"^\s*vertex\s+(\S+\s+\S+\s+\S+)", re.IGNORECASE | re.MULTILINE)
-FACETS = re.compile(rb"^\s*facet\b", re.IGNORECASE | re.MULTILINE)
-COLOURS = re.compile(rb"^\s*colou?r\s+[\d.]", re.IGNORECASE | re.MULTILINE)
-ENDS = re.compile(rb"^\s*endfacet\b", re.IGNORECASE | re.MULTILINE)
+VERTEX = re.compile(rb"^[^\S\n]*vertex\s+(\S+\s+\S+\s+\S+)", re.IGNORECASE | re.MULTILINE)
+FACETS = re.compile(rb"^[^\S\n]*facet\b", re.IGNORECASE | re.MULTILINE)
+COLOURS = re.compile(rb"^[^\S\n]*colou?r\s+[\d.]", re.IGNORECASE | re.MULTILINE)
+ENDS = re.compile(rb"^[^\S\n]*endfacet\b", re.IGNORECASE | re.MULTILINE)
 
 
 def read_stl(data: bytes, texture: bool = False) -> RawMesh:

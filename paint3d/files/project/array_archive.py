@@ -1,9 +1,8 @@
 """A zip archive of NumPy arrays and one JSON text: written in one go, read with distrust.
 
 Why zip and .npy: any program opens them, every entry has a checksum, and both formats are older
-than most programs and will outlive this one. Entries are stored, not deflated: an archive cannot
-be larger than it looks, saving and loading take a tenth of the time, and the same arrays give
-the same bytes whatever the version of zlib.
+than most programs and will outlive this one. Entries are deflated at the lowest level, which makes
+paintings a third of their size in 11 ms of processor time a megabyte; higher levels gain nothing.
 """
 
 from __future__ import annotations
@@ -14,6 +13,7 @@ import os
 import re
 import stat
 import zipfile
+import zlib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import IO
@@ -31,6 +31,7 @@ TEXT = "session.json"
 EARLIEST = (1980, 1, 1, 0, 0, 0)  # a fixed date: the same session gives the same bytes
 PART = 1 << 24  # bytes written between two looks at whether it is still wanted
 MAX_BYTES = 4 << 30
+MAX_RATIO, FREE_BYTES = 100, 64 << 20  # a file may hold so much times its size, and so much more
 MAX_ENTRIES = 10_000
 MAX_TEXT = 1 << 24
 MAX_HEADER = 1000
@@ -57,7 +58,7 @@ def write_archive(
     ValueError
         If the object holds what JSON cannot.
     """
-    with zipfile.ZipFile(path, "w", zipfile.ZIP_STORED) as archive:
+    with zipfile.ZipFile(path, "w") as archive:
         line = json.dumps(text, ensure_ascii=False, allow_nan=False, indent=1)
         archive.writestr(_entry(TEXT), line.encode("utf-8", "surrogatepass"))
         total, done = sum(array.nbytes for array in arrays.values()) or 1, 0
@@ -78,6 +79,9 @@ def write_archive(
 def _entry(name: str) -> zipfile.ZipInfo:
     entry = zipfile.ZipInfo(name, EARLIEST)
     entry.external_attr = 0o644 << 16
+    entry.compress_type = zipfile.ZIP_DEFLATED
+    # as `ZipFile` sets it, which does so for plain names alone
+    entry._compresslevel = 1  # type: ignore[attr-defined]
     return entry
 
 
@@ -99,7 +103,9 @@ def read_archive(
             raise SessionError("it is no plain file; expected a painting")
         with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
             entries = _checked(archive, os.fstat(file.fileno()).st_size)
-            text = _parse(archive.read(entries.pop(TEXT)))
+            entry = entries.pop(TEXT)
+            with archive.open(entry) as inner:
+                text = _parse(_read_exactly(inner, entry.file_size, TEXT))
             arrays = {}
             for k, (name, entry) in enumerate(entries.items()):
                 if name.endswith(".npy"):
@@ -107,7 +113,7 @@ def read_archive(
                 if progress is not None:
                     progress((k + 1) / len(entries))
             return text, arrays
-    except zipfile.BadZipFile as cause:
+    except (zipfile.BadZipFile, zlib.error) as cause:
         raise SessionError("it is damaged, or no session: {cause}", cause=cause) from None
     except OSError as cause:
         raise SessionError("cannot read it: {cause}", cause=cause) from None
@@ -116,16 +122,16 @@ def read_archive(
 
 
 def _checked(archive: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
-    """Return the entries by name; all must be stored plainly and fit into the file."""
+    """Return the entries by name; they must not claim to be much larger than the file."""
     entries = archive.infolist()
-    if len(entries) > MAX_ENTRIES or sum(entry.file_size for entry in entries) > min(
-        size, MAX_BYTES
-    ):
-        raise SessionError("its entries claim to be larger than the file; expected a session")
+    most = min(MAX_RATIO * size + FREE_BYTES, MAX_BYTES)
+    if len(entries) > MAX_ENTRIES or sum(entry.file_size for entry in entries) > most:
+        raise SessionError("its entries claim to be far larger than the file; expected a session")
     for entry in entries:
-        if entry.compress_type != zipfile.ZIP_STORED or entry.flag_bits & 1:
+        plain = entry.compress_type in (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)
+        if not plain or entry.flag_bits & 1:
             raise SessionError(
-                "{filename!r:.60} is packed; expected a plain entry",
+                "{filename!r:.60} is packed by something else than deflate, or locked",
                 filename=entry.filename,
             )
     found = {entry.filename: entry for entry in entries}
@@ -165,10 +171,20 @@ def _read_array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> AnyArray:
                 shape=shape,
                 file_size=entry.file_size,
             )
-        data = file.read()  # to the end, where its checksum is compared
-    if len(data) != count * dtype.itemsize:
-        raise SessionError("{filename!r:.60} is cut short", filename=entry.filename)
+        data = _read_exactly(file, count * dtype.itemsize, entry.filename)
     return np.frombuffer(data, dtype).reshape(shape)
+
+
+def _read_exactly(file: IO[bytes], size: int, name: str) -> bytes:
+    """Return so many bytes, the last that there are; of more than these none is unpacked."""
+    parts, left = [], size
+    while left > 0:
+        parts.append(file.read(min(left, PART)))
+        if not parts[-1]:
+            raise SessionError("{filename!r:.60} is cut short", filename=name)
+        left -= len(parts[-1])
+    file.read(1)  # to its end, where its checksum is compared
+    return b"".join(parts)
 
 
 def _array_header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype, int]:

@@ -26,6 +26,7 @@ from paint3d.files.formats.gltf import find_steps
 from paint3d.files.load import UNITS_MM
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.texture import Detail, bake_detail
+from paint3d.mesh.sheet_mesh import sheet_of
 from paint3d.mesh.triangle_mesh import MAX_COORDINATE_MM, TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.edges import Edges, edge_shares
@@ -228,7 +229,7 @@ class Painting(NamedTuple):
     `paint3d.files.formats.gltf`. `gamut` is what the codes mean. `look` is how wet and
     glossy vertices are, None where all are as the material; `srgb` is of the dry painting.
     `n_clipped` vertices have colours outside the gamut. `edges` say where paint ends between
-    vertices, None where nobody knows.
+    vertices, None where nobody knows. `is_sheet` says whether it is a flat sheet of those by name.
     """
 
     vertices: NDArray[np.float32]
@@ -246,6 +247,7 @@ class Painting(NamedTuple):
     look: WetLook | None = None
     n_clipped: int = 0
     edges: Edges | None = None
+    is_sheet: bool = False
 
     @property
     def shown_srgb(self) -> NDArray[np.uint8]:
@@ -358,13 +360,15 @@ def read_painting(
     """
     if isinstance(surface, TriangleMesh):
         surface = PlainSurface(surface)
+    is_sheet = isinstance(surface, PaintedSurface) and sheet_of(surface.source) is not None
     viewing = options.viewing
     if viewing is not None and not viewing.is_plain:
         surface = InLight(surface, viewing)
     n_clipped = tell_clipped(surface, viewing)
     painting = _read(surface, options, progress, roughness)
     if isinstance(painting, Painting):
-        return painting._replace(gamut=options.gamut or "srgb", n_clipped=n_clipped)
+        gamut = options.gamut or "srgb"
+        return painting._replace(gamut=gamut, n_clipped=n_clipped, is_sheet=is_sheet)
     return painting._replace(n_clipped=n_clipped)
 
 

@@ -43,7 +43,7 @@ __all__ = [
     "solve_edges",
 ]
 
-_NOTCH, _FILLS = 0.5, 0.75  # shares of what lies around: from which on, and where, water gets in
+_NOTCH, _FILLS = 0.5, 0.75  # filled share of what lies around: entry falls from it on; is 0 at it
 
 
 class Drying(NamedTuple):
@@ -116,7 +116,7 @@ def evaporate(wet, f, rest, drying, inside, dried, still_wet):
 
 @kernel(error_model="numpy")
 def ease_entries(nodes, f, dry_entry):
-    """Let water get into what is dry the more easily the more of what lies around it is wet.
+    """Let water get into what is dry the more easily the fuller what lies around it is.
 
     Menisci that come from several sides meet in a pore, and fill it at less than each would need
     (cooperative filling: Cieplak, Robbins, *Phys. Rev. Lett.* 60, 2042, 1988). So no single place
@@ -135,13 +135,15 @@ def ease_entries(nodes, f, dry_entry):
         i = nodes[n]
         if f.soaked[i] >= 1.0 or first[i] == last[i]:
             continue
-        wet, total = 0.0, 0.0
+        filled, total = 0.0, 0.0
         for e in range(first[i], last[i]):
             total += weights[e]
-            if f.soaked[links[e]] >= 1.0:
-                wet += weights[e]
+            fuller = max(f.soaked[links[e]] - f.soaked[i], 0.0)
+            filled += weights[e] * fuller / (1.0 - f.soaked[i])
         if total > 0.0:
-            entry[i] = dry_entry[i] * min(max((_FILLS - wet / total) / (_FILLS - _NOTCH), 0.0), 1.0)
+            entry[i] = dry_entry[i] * min(
+                max((_FILLS - filled / total) / (_FILLS - _NOTCH), 0.0), 1.0
+            )
 
 
 @kernel

@@ -31,8 +31,11 @@ __all__ = ["TOO_LITTLE_ROOM", "Absorption", "WetFields", "Workspace", "move_wate
 TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
-_FLOATS = 0.005  # mm: a film as deep carries pigment as fast as itself
-_SLIPS = 0.06  # of the rate at which pores catch fine pigment: that at which they catch loose
+_LOOSE_CAPTURE = 0.08  # capture rate of loose flocs over that of fine pigment
+_DISPERSES = 0.1, 0.4  # mm: in pores and as a film; water that runs so far mixes over as far
+_MIXES = 0.06  # most of a node's water exchanged by a link in a step; of n > 8 links 8 / n of it
+_CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest
+_LEAST_ENTRY = 0.05  # of the pores' depth: entry depths count as no less in a division
 _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
@@ -74,6 +77,10 @@ class Absorption(NamedTuple):
     capacity: float  # depth that the pores hold, mm
     film: float  # diffusivity of a film on them, mm2/s
     passing: float  # speed of coarse soot over that of the water where pores let it pass, 0 to 1
+    pores: float  # depth of the pores, mm: a film as deep on them floats half of their pigment
+    entry_ratio: (
+        float  # entry potential of a cell's widest pores over that of its narrowest, 0 to 1
+    )
 
 
 class Workspace(NamedTuple):
@@ -100,7 +107,9 @@ class _Rows(NamedTuple):
     inverse: NDArray  # (R,) float64, 1 / (capacity - residual_depth)
     strength: NDArray  # (R,) float64
     sieve: NDArray  # (R,) float64
-    entry: NDArray  # (R + ring,) float64
+    entry: NDArray  # (R + ring,) float64, entry potential at the present filling
+    full_entry: NDArray  # (R + ring,) float64, that of the narrowest pores
+    per_entry_depth: NDArray  # (R + ring,) float64, 1 / the depth at which these are full
     before: NDArray  # (R,) float64, depth
     barrier: NDArray  # (R,) float64, the highest entry here and beside: 0 where nothing is stopped
     psi: NDArray  # (R + ring,) float64, now
@@ -119,9 +128,9 @@ def _psi(depth, residual_depth, inverse, strength, film, capacity):
 @kernel(error_model="numpy", inline="always")
 def _make_rows(floats, ints, size, n_links):
     """Rows in memory that is there."""
-    of_nodes = floats[: 10 * size].reshape(10, size)
-    mean = floats[10 * size : 12 * size].reshape(2, size)
-    first = 12 * size
+    of_nodes = floats[: 12 * size].reshape(12, size)
+    mean = floats[12 * size : 14 * size].reshape(2, size)
+    first = 14 * size
     edge_flow = floats[first : first + 2 * n_links].reshape(2, n_links)
     x = floats[first + 2 * n_links : first + 3 * n_links]
     numbers = ints.view(np.uint32)
@@ -129,13 +138,31 @@ def _make_rows(floats, ints, size, n_links):
         ints[:size], ints[size : 2 * size], numbers[2 * size : 3 * size],
         numbers[3 * size : 4 * size + 1], numbers[4 * size + 1 : 4 * size + 1 + n_links], x,
         edge_flow, of_nodes[0], of_nodes[1], of_nodes[2], of_nodes[3], of_nodes[4], of_nodes[5],
-        of_nodes[6], of_nodes[7], of_nodes[8], of_nodes[9], mean,
+        of_nodes[6], of_nodes[7], of_nodes[8], of_nodes[9], of_nodes[10], of_nodes[11], mean,
     )  # fmt: skip
 
 
+@kernel(error_model="numpy", inline="always")
+def _entry_of(full_entry, filled, ratio):
+    """Entry potential of a cell that is filled in part, 0 to 1: its wide pores fill first.
+
+    So a front rests between two nodes, where pressure and pores say, and not on the mesh.
+    """
+    return full_entry * (ratio + (1.0 - ratio) * min(filled, 1.0))
+
+
+@kernel(error_model="numpy", inline="always")
+def _init_entry(f, rows, k, i, absorption):
+    """Fill in the entry potentials of node i, the k-th that takes part."""
+    per_depth = 1.0 / max(f.entry_depth[i], _LEAST_ENTRY * absorption.capacity)
+    rows.full_entry[k], rows.per_entry_depth[k] = f.entry[i], per_depth
+    rows.entry[k] = _entry_of(f.entry[i], f.water[i] * per_depth, absorption.entry_ratio)
+
+
 @kernel(error_model="numpy")
-def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
+def _grow(f, rows, n_rows, n_ids, rest, absorption):
     """Give all that have none yet their row; return how many nodes are known now."""
+    capacity, film = absorption.capacity, absorption.film
     end = rows.starts[n_rows]
     known = n_ids
     cols, weight, entry = rows.cols, rows.x, rows.entry
@@ -164,7 +191,7 @@ def _grow(f, rows, n_rows, n_ids, rest, capacity, film):
             if k < 0:
                 k = known
                 rows.ids[k] = j
-                entry[k] = f.entry[j]
+                _init_entry(f, rows, k, j, absorption)
                 f.place[j] = k + 1
                 known += 1
             barrier = max(barrier, entry[np.uint32(k)])
@@ -204,8 +231,9 @@ def _is_shut(f, rows, r):
 
 
 @kernel(error_model="numpy")
-def _count_stages(rows, n_rows, film):
+def _count_stages(rows, n_rows, absorption):
     """How many stages are stable, by the steepest slope of psi that each node can come to."""
+    film, rises = absorption.film, 1.0 - absorption.entry_ratio
     stiffest = 0.0  # its third power: that of a slope that grows with psi to 2/3 needs no root
     for r in range(n_rows):
         top = rows.psi[r]
@@ -213,6 +241,7 @@ def _count_stages(rows, n_rows, film):
             top = max(top, rows.psi[rows.cols[e]])
         strength = rows.strength[r]
         slope = 3.0 * strength * rows.inverse[r]
+        slope = max(slope, rises * rows.full_entry[r] * rows.per_entry_depth[r])
         part = top / strength
         if top >= strength:
             slope, part = max(slope, film), 1.0
@@ -229,8 +258,9 @@ def _fall(own, other, own_entry, other_entry):
 
 
 @kernel(error_model="numpy")
-def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
+def _run_stage(rows, n_rows, stage, n_stages, absorption, come):
     """Bring all potentials to the end of a stage; see the module. `come` (R,) is for work."""
+    capacity, film = absorption.capacity, absorption.film
     now = rows.mean[stage % 2]
     last = rows.mean[1 - stage % 2]
     edge_flow, edge_flow_last = rows.edge_flow[stage % 2], rows.edge_flow[1 - stage % 2]
@@ -256,13 +286,15 @@ def _run_stage(rows, n_rows, stage, n_stages, film, capacity, come):
         come[r] = inflow
     for r in range(n_rows):  # apart, several at once
         depth = rows.before[r] + rows.share[r] * come[r]
+        filled = max(depth, 0.0) * rows.per_entry_depth[r]
+        rows.entry[r] = _entry_of(rows.full_entry[r], filled, absorption.entry_ratio)
         rows.psi[r] = _psi(
             depth, rows.residual_depth[r], rows.inverse[r], rows.strength[r], film, capacity
         )
 
 
 @kernel(error_model="numpy")
-def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
+def _find_flows(rows, n_rows, n_ids, n_stages, absorption):
     """Find what runs out by each link, and what of it carries coarse pigment, mm3.
 
     `starts`, `cols`, `x` and `edge_flow` hold it for the links by which anything runs out, and for
@@ -270,6 +302,7 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
     node. Pores that are barely wet let no soot pass, those above `sieve` all of it; in a film on
     them nothing holds it.
     """
+    passing, held = absorption.passing, absorption.film * absorption.pores
     mean, edge_flow = rows.mean[n_stages % 2], rows.edge_flow[n_stages % 2]
     x, cols, waits, carries, floating = (
         rows.x,
@@ -279,7 +312,6 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
         rows.edge_flow[1],
     )
     waits[:n_ids] = 0
-    floats = 1.0 / (film * _FLOATS)
     end, n = np.uint32(0), np.uint32(0)  # flows that were found lie before links not yet read
     for r in range(n_rows):
         begin, end = end, rows.starts[r + 1]
@@ -297,7 +329,8 @@ def _find_flows(rows, n_rows, n_ids, n_stages, passing, film):
                 flow = -edge_flow[e]
             total += flow
             level = min(own, other)
-            film_share = max(min(floats * (level - full), 1.0), 0.0)
+            on_top = max(level - full, 0.0)
+            film_share = on_top / (on_top + held) if on_top > 0.0 else 0.0
             between = 0.5 * (own + other)
             share = max(min(always + opens * between, passing), film_share)
             cols[n], x[n], carries[n], floating[n] = k, flow, flow * share, flow * film_share
@@ -313,6 +346,9 @@ def _carry(f, rows, n_rows, n_ids, work):
     """Move water and pigment, each node when all that flows into it has come.
 
     `work` holds what comes to each: water, and of each pigment the coarse, the fine, the loose.
+    Water takes ways of many lengths through fibres, so a front of clean water widens as it goes:
+    both ends of a link exchange what is afloat in `_DISPERSES` / distance times what runs
+    (mechanical dispersion: Bear, *Dynamics of Fluids in Porous Media*, 1972).
     """
     n_pigments = f.pigment.shape[1]
     waits, turns = rows.waits, rows.turns
@@ -349,19 +385,47 @@ def _carry(f, rows, n_rows, n_ids, work):
         scale = gone / out if out > 0.0 else 0.0
         f.changed[i] = True
         _mix(f, rows, r, volume, gone, (scale * carrying, scale * floating), coming)
+        share, left = rows.share[r], volume - gone
+        spacing, links = np.sqrt(f.area[i]), np.float64(f.last[i] - f.first[i])
         for e in range(begin, end):
             k = rows.cols[e]
             flux = rows.x[e] * scale
             carried, afloat = rows.edge_flow[0, e] * scale, rows.edge_flow[1, e] * scale
             coming[k, 0] += flux
             within = 1.0 - rows.edge_flow[1, e] / rows.x[e]  # of the flow, through pores
+            j = rows.ids[k]  # where a mesh has wide cells beside narrow ones, by their areas
+            within *= np.sqrt(2.0 * f.area[j] / (f.area[i] + f.area[j]))
+            there = f.water[j] * f.area[j]
+            stirred = (_DISPERSES[0] * (flux - afloat) + _DISPERSES[1] * afloat) / spacing
+            beside = np.float64(f.last[j] - f.first[j])
+            link_limit = min(1.0, 8.0 / max(links, beside, 1.0))
+            stirred = min(stirred, link_limit * _MIXES * min(left, there))
+            back = stirred / there if stirred > 0.0 else 0.0
             for p in range(n_pigments):
                 drawn = _drawn(f.mobility[p], carried, afloat)
+                if stirred > 0.0:
+                    fine = stirred * coming[r, 2 + 3 * p] - back * f.fine[j, p] * f.area[j]
+                    loose = stirred * coming[r, 3 + 3 * p] - back * f.loose[j, p] * f.area[j]
+                    coarse = f.pigment[j, p] - f.fine[j, p] - f.loose[j, p]
+                    coarse = stirred * coming[r, 1 + 3 * p] - back * max(coarse, 0.0) * f.area[j]
+                    coarse *= drawn / flux
+                    coming[k, 1 + 3 * p] += coarse
+                    coming[k, 2 + 3 * p] += fine
+                    coming[k, 3 + 3 * p] += loose
+                    f.fine[i, p] -= share * fine
+                    f.loose[i, p] -= share * loose
+                    f.pigment[i, p] -= share * (coarse + fine + loose)
                 fine, loose = flux * coming[r, 2 + 3 * p], flux * coming[r, 3 + 3 * p]
-                catches = f.sticks[p] * f.catch[rows.ids[k]] * within
+                held = min(1.0, f.sticks[p] * f.catch[j])
+                catches = min(1.0, held * within)
                 coming[k, 2 + 3 * p] += (1.0 - catches) * fine
-                coming[k, 3 + 3 * p] += (1.0 - _SLIPS * catches) * loose
-                caught = catches * (fine + _SLIPS * loose)
+                # -ln(1 - x) is x (6 - x) / (6 - 4 x) by Pade; with x = held alone, or catches, a
+                # lattice of wide and narrow cells would show in washes.
+                mean = 0.5 * (held + catches)
+                rate = _LOOSE_CAPTURE * within * held * (6.0 - mean) / (6.0 - 4.0 * mean)
+                captured = rate / (1.0 + 0.5 * rate)  # 1 - exp(-rate)
+                coming[k, 3 + 3 * p] += (1.0 - captured) * loose
+                caught = catches * fine + captured * loose
                 coming[k, 1 + 3 * p] += drawn * coming[r, 1 + 3 * p] + caught
             waits[k] -= 1
             if waits[k] == 0:
@@ -435,6 +499,18 @@ def _greatest_change(f, rows, n_rows, shortest):
     return most
 
 
+@kernel(error_model="numpy", inline="always")
+def _settle(f, i, water):
+    """Let flocs come to rest on fibres where the water between them gets little."""
+    afloat = 0.0
+    for p in range(f.pigment.shape[1]):
+        afloat += f.loose[i, p]
+    most = _CROWDED * water
+    if afloat > most:
+        for p in range(f.pigment.shape[1]):
+            f.loose[i, p] *= most / afloat
+
+
 @kernel(error_model="numpy")
 def _note(f, rows, n_rows, rest):
     """Note what the step did to the nodes that it changed; blocks that get water are owed rest."""
@@ -450,6 +526,7 @@ def _note(f, rows, n_rows, rest):
         f.moved[b, 1] += change * f.area[i]
         if np.isinf(f.owed[b]):
             f.owed[b] = rest
+        _settle(f, i, water)
         share = water / f.entry_depth[i] if water < f.entry_depth[i] else 1.0
         f.soaked[i] = max(f.soaked[i], share)
         if f.soaked[i] >= 1.0:
@@ -457,16 +534,16 @@ def _note(f, rows, n_rows, rest):
 
 
 @kernel(error_model="numpy")
-def _seed(f, rows, nodes, around, capacity):
+def _seed(f, rows, nodes, around, absorption):
     """Take in the nodes with water that can move; return how many."""
     known = 0
     for own in range(2):
         some = nodes if own == 0 else around
         for n in range(some.shape[0]):
             i = some[n]
-            if f.water[i] > capacity * f.residual[i] and f.place[i] == 0:
+            if f.water[i] > absorption.capacity * f.residual[i] and f.place[i] == 0:
                 rows.ids[known] = i
-                rows.entry[known] = f.entry[i]
+                _init_entry(f, rows, known, i, absorption)
                 known += 1
                 f.place[i] = known
                 f.mobile[f.block[i]] = True
@@ -476,10 +553,9 @@ def _seed(f, rows, nodes, around, capacity):
 @kernel(error_model="numpy")
 def _find(f, rows, known, rest, absorption, come):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
-    capacity, film, passing = absorption
     inner, n_rows = 0, known  # those within have all neighbours among the rows
     rows.starts[0] = 0
-    known = _grow(f, rows, 0, known, rest, capacity, film)
+    known = _grow(f, rows, 0, known, rest, absorption)
     n_stages = 0
     stage = 0
     rows.mean[:, :known] = 0.0
@@ -495,14 +571,14 @@ def _find(f, rows, known, rest, absorption, come):
             return n_rows, known, -1
         if reaches:
             inner, n_rows, was = n_rows, known, known
-            known = _grow(f, rows, inner, known, rest, capacity, film)
+            known = _grow(f, rows, inner, known, rest, absorption)
             rows.mean[:, was:known] = 0.0
             rows.psi[was:known] = 0.0
         if n_stages == 0:
-            n_stages = _count_stages(rows, n_rows, film)
+            n_stages = _count_stages(rows, n_rows, absorption)
         stage += 1
-        _run_stage(rows, n_rows, stage, n_stages, film, capacity, come)
-    _find_flows(rows, n_rows, known, n_stages, passing, film)
+        _run_stage(rows, n_rows, stage, n_stages, absorption, come)
+    _find_flows(rows, n_rows, known, n_stages, absorption)
     return n_rows, known, n_stages
 
 
@@ -546,7 +622,7 @@ def move_water(f, nodes, around, absorption, shortest, rest, room):
     rest : (1,) f64
         Filled with what all these blocks are still owed then, if they are not owed less.
     room : Workspace
-        For M nodes, these and around, and their K links it has to have (13 + 3 P) M + 3 K numbers
+        For M nodes, these and around, and their K links it has to have (15 + 3 P) M + 3 K numbers
         and 4 M + 1 + K whole ones.
 
     Returns
@@ -559,7 +635,7 @@ def move_water(f, nodes, around, absorption, shortest, rest, room):
     if size < 0:
         return -1
     n_work = size * (1 + 3 * f.pigment.shape[1])
-    n_floats = n_work + 12 * size + 3 * n_links
+    n_floats = n_work + 14 * size + 3 * n_links
     if room.floats.shape[0] < n_floats or room.ints.shape[0] < 4 * size + 1 + n_links:
         return TOO_LITTLE_ROOM
     rows = _make_rows(room.floats[n_work:], room.ints, size, n_links)
@@ -567,7 +643,7 @@ def move_water(f, nodes, around, absorption, shortest, rest, room):
     length = longest
     while True:
         rest[0] = longest - length
-        seeds = _seed(f, rows, nodes, around, absorption.capacity)
+        seeds = _seed(f, rows, nodes, around, absorption)
         n_rows, known, n_stages = seeds, seeds, 0
         if seeds > 0:
             n_rows, known, n_stages = _find(f, rows, seeds, rest[0], absorption, work)

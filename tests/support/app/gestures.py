@@ -21,6 +21,9 @@ _ROUNDS = 3  # of the event loop
 _TOUCHES = (KIND.TouchBegin, KIND.TouchUpdate, KIND.TouchEnd, KIND.TouchCancel)
 _MICE = (KIND.MouseButtonPress, KIND.MouseMove, KIND.MouseButtonRelease, KIND.MouseButtonDblClick)
 
+AWAITED: dict[object, str] = {}
+"""What tests wait for with `when` and `answer`, in words."""
+
 
 class HandsTime(QtCore.QObject):
     """When the hand does what it does, by the devices' clock, as if the machine always kept up.
@@ -99,16 +102,23 @@ def wait_for(condition, seconds: float = 300.0, fault: str = "it did not come ab
 def when(ready, act, what: str, seconds: float = 300.0) -> None:
     """Act as soon as something is so, also while a dialog has a loop of its own.
 
-    When it is not so in time, what is open is closed, and the test fails in that slot.
+    When it is not so in time, what is open is closed, and the test fails in that slot. It is in
+    `AWAITED` until it acts, and nothing happens any more once it is taken out of there.
     """
     until = time.perf_counter() + seconds
+    key = object()
+    AWAITED[key] = what
 
     def look() -> None:
+        if key not in AWAITED:
+            return
         if ready():
+            del AWAITED[key]
             act()
         elif time.perf_counter() < until:
             QtCore.QTimer.singleShot(30, look)
         else:
+            del AWAITED[key]
             while (dialog := QtWidgets.QApplication.activeModalWidget()) is not None:
                 dialog.close()
                 dialog.hide()

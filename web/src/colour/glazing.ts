@@ -6,10 +6,11 @@ import { GROUNDS } from "../surface/dry_layers";
 import type { Backing, ColourTables } from "./vertex_colours";
 import type { Pigment } from "./materials";
 
-/** What is below: rows of spectra, and the material. */
+/** What is below: rows of spectra, and the colours that the object came with, or the material. */
 export interface Below {
   slots: NDArray<"i4">;
   spectra: NDArray<"u2">;
+  linearRgb?: NDArray<"f4">;
 }
 
 export class GlazeModel {
@@ -28,14 +29,14 @@ export class GlazeModel {
     const paints: number[] = [];
     for (let band = 0; band < bands; band++)
       for (const pigment of pigments) paints.push(pigment.K[band], pigment.S[band]);
-    const gloss = pigments.some((p) => p.saunderson) ? [...tables.saunderson] : [0.0, 0.0];
+    const films = pigments.flatMap((p) => [p.lasting ? 1 : 0, p.saunderson ? 1 : 0]);
     this.#glaze = {
       paints: of(kernels, "f4", paints, [bands, pigments.length, 2]),
       weights: of(kernels, "f4", Float32Array.from(tables.rgbWeights), [bands, 3]),
-      gloss: of(kernels, "f4", gloss),
+      saunderson: of(kernels, "f4", [...tables.saunderson]),
+      films: of(kernels, "f4", films, [pigments.length, 2]),
     };
     this.#ground = {
-      linear_rgb: kernels.zeros("f4", 0, 3),
       primaries: of(kernels, "f4", tables.primaries, [bands, 3]),
       material: of(kernels, "f4", backing.reflectance),
     };
@@ -67,7 +68,8 @@ export class GlazeModel {
   }
 
   #on(below: Below): Argument {
-    return { ...this.#ground, slots: below.slots, spectra: below.spectra };
+    const linear_rgb = below.linearRgb ?? this.tables.noRgb;
+    return { ...this.#ground, slots: below.slots, spectra: below.spectra, linear_rgb };
   }
 
   /** Let its tables go. */

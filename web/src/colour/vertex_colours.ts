@@ -2,6 +2,7 @@
 
 import { NDArray } from "../core/arrays";
 import type { Argument, Kernels } from "../core/kernels";
+import { type Below, GlazeModel } from "./glazing";
 import type { OneInk, Pigment } from "./materials";
 
 /** What Python says of colour, for all materials. */
@@ -19,14 +20,14 @@ export interface ColourTables {
 export interface Backing {
   bareLinearRgb: Float32Array;
   reflectance: Float32Array; // (31,) as measured
-  ground: Float64Array; // (31,) behind a matt film
-  glossyGround: Float64Array; // and behind a glossy one
   tables: Record<string, { table: Float32Array; shades: Uint8Array; bend: number }>;
 }
 
 export class ColourModel {
-  readonly #look: { [name: string]: Argument };
-  readonly #kernel: string;
+  readonly #look: { [name: string]: Argument } = {};
+  readonly #glaze: GlazeModel | null = null;
+  readonly #bare: Below | null = null; // what is below: the material alone
+  readonly #kernel: string = "";
 
   constructor(
     private readonly kernels: Kernels,
@@ -47,30 +48,25 @@ export class ColourModel {
       this.#look = look;
       return;
     }
+    if (pigments.some((pigment) => pigment.saunderson)) {
+      this.#glaze = new GlazeModel(kernels, tables, pigments, backing);
+      this.#bare = { slots: kernels.zeros("i4", 0), spectra: kernels.zeros("u2", 0, backing.reflectance.length) };
+      return;
+    }
     this.#kernel = "colour.kernels.kubelka_munk.mixture_colours";
-    const glossy = pigments.some((pigment) => pigment.saunderson);
-    const [outer, inner] = glossy ? tables.saunderson : [0.0, 0.0];
-    const ground = glossy ? backing.glossyGround : backing.ground;
     const live = pigments.every((pigment) => pigment.in_palette);
-    const chosen = live ? tables.liveBands : Int32Array.from(ground.keys());
+    const chosen = live ? tables.liveBands : Int32Array.from(backing.reflectance.keys());
     const weights = live ? tables.liveWeights : tables.rgbWeights;
-    const scale = (1.0 - outer) * (1.0 - inner);
     const paints: number[] = [];
     const bands: number[] = [];
-    const offset = [0.0, 0.0, 0.0];
     for (const [k, band] of chosen.entries()) {
       for (const pigment of pigments) paints.push(pigment.K[band], pigment.S[band]);
-      bands.push(ground[band]);
-      for (let c = 0; c < 3; c++) {
-        bands.push(weights[3 * k + c] * scale);
-        offset[c] += weights[3 * k + c];
-      }
+      bands.push(backing.reflectance[band], ...weights.subarray(3 * k, 3 * k + 3));
     }
     this.#look = {
       paints: of(kernels, "f4", paints, [chosen.length, pigments.length, 2]),
       bands: of(kernels, "f4", bands, [chosen.length, 4]),
-      bare: of(kernels, "f4", [...backing.bareLinearRgb, ...offset.map((w) => outer * w)], [2, 3]),
-      inner_loss: Math.fround(inner),
+      bare: of(kernels, "f4", backing.bareLinearRgb, [1, 3]),
     };
   }
 
@@ -78,6 +74,10 @@ export class ColourModel {
   srgb(
     amounts: NDArray<"f4">, coverage: NDArray<"f4">, out: NDArray<"u1">, vertexIds: NDArray<"i4">,
   ): void {
+    if (this.#glaze) {
+      this.#glaze.srgb(amounts, coverage, this.#bare!, out, vertexIds);
+      return;
+    }
     const wet = { vertex_ids: vertexIds, amounts, coverage };
     const shown = { codes: this.tables.codes, linear_rgb: this.tables.noRgb, srgb: out };
     this.kernels.call(this.#kernel, wet, this.#look, shown);
@@ -85,6 +85,9 @@ export class ColourModel {
 
   /** Let its tables go. */
   free(): void {
+    this.#glaze?.free();
+    this.#bare?.slots.free();
+    this.#bare?.spectra.free();
     for (const value of Object.values(this.#look)) if (value instanceof NDArray) value.free();
   }
 }

@@ -90,6 +90,26 @@ export class Camera {
     this.focus = plus(this.focus, plus(times(right, -x * step), times(up, y * step)));
   }
 
+  /**
+   * Move and turn the object as seen, by a way (mm) and a turn (rad) along and about the user's
+   * axes: right, away, up. It turns about its middle.
+   */
+  steer(way: Vector, turn: Vector): void {
+    const [right, up, back] = this.axes;
+    const along = ([x, y, z]: Vector, [a, b, c]: readonly Vector[]): Vector => plus(plus(times(a, x), times(b, -y)), times(c, z));
+    const spin = along(turn, [right, back, up]);
+    const angle = lengthOf(spin);
+    if (angle > 0.0) {
+      const axis = times(spin, 1.0 / angle);
+      const round = (vector: Vector): Vector => turned(vector, axis, -angle);
+      this.#up = unit(round(up));
+      this.#toEye = unit(round(back));
+      this.focus = plus(this.middle, round(minus(this.focus, this.middle)));
+    }
+    const [side, above, near] = this.axes;
+    this.focus = minus(this.focus, along(way, [side, near, above]));
+  }
+
   /** Go nearer by a factor, towards a place of the picture (-1 to 1). */
   zoom(factor: number, x: number, y: number, aspect: number): void {
     const away = Math.min(Math.max(this.away / factor, 0.05 * this.radius), 12.0 * this.radius);

@@ -6,7 +6,8 @@ import { say } from "./texts";
 
 /** What a panel of texts asks for. */
 export interface CopybookActs {
-  lay(text: Partial<LaidText>, number?: number): void;
+  lay(text: Partial<LaidText>): void;
+  change(number: number, words: Partial<LaidText>): void;
   remove(number: number): void;
   place(number: number): void; // where the object is tapped next
   write(number: number): void;
@@ -31,8 +32,7 @@ export class CopybookList {
   /** `planned`: the text that was asked for when the page was built. */
   show(copybook: Copybook, texts: readonly LaidText[], planned: string): void {
     const { acts } = this;
-    this.#chosen = Math.max(0, Math.min(this.#chosen, texts.length - 1));
-    const number = this.#chosen;
+    const number = Math.max(0, Math.min(this.#chosen, texts.length - 1)); // the one chosen may not be there yet
     const add = (text: Partial<LaidText>): void => {
       this.#chosen = texts.length;
       acts.lay(text);
@@ -56,7 +56,7 @@ export class CopybookList {
 
   #controls(copybook: Copybook, laid: LaidText, number: number): HTMLElement[] {
     const { acts } = this;
-    const change = (words: Partial<LaidText>): void => acts.lay({ ...laid, ...words }, number);
+    const change = (words: Partial<LaidText>): void => acts.change(number, words);
     const sized = (id: string, text: string, value: number, range: readonly [number, number, number],
       then: (value: number) => void): HTMLElement => {
       const made = slider(id, `${text}: ${value}`, value, () => {}, range);

@@ -3,6 +3,8 @@
 import type { Kernels } from "../core/kernels";
 import type { Brush } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
+import type { Bundle } from "../core/bundle";
+import type { ObjectWords } from "../mesh/refined_mesh";
 import { frameUp } from "../mesh/chart";
 import { ClosestPoints } from "../mesh/closest_points";
 import { readPressing, type PressedSeal } from "../seal/pressing";
@@ -35,6 +37,8 @@ const NO_STEPS = new Set(["select_layer", "set_visible", "rename_layer"]);
 
 type Line = Record<string, unknown>;
 
+const isMark = (line: Line): boolean => line.do === "begin_stroke" || line.do === "press_seal";
+
 interface Instant {
   texts: readonly LaidText[];
   painter: Kept;
@@ -42,7 +46,6 @@ interface Instant {
 }
 
 export class Document {
-  readonly closest: ClosestPoints;
   readonly openness: Uint8Array; // of the base vertices: how much of the sky each sees
   #lines: Line[] = [];
   #steps: Instant[] = []; // before each
@@ -60,25 +63,25 @@ export class Document {
     readonly about: Contents["objects"][number],
     readonly surface: PaintedSurface,
     readonly painter: Painter,
+    readonly closest: ClosestPoints,
     public ink: string,
   ) {
-    const { object } = surface;
-    this.closest = new ClosestPoints(kernels, object);
-    this.openness = object.numbers("openness", "u1").slice();
+    this.openness = surface.object.numbers("openness", "u1").slice();
   }
 
-  /** Open a fresh object. */
+  /** Open a fresh object of the folder, or one of somebody's own. */
   static async open(
     studio: Studio, about: Contents["objects"][number], brushName: string, ink: string,
-    material: string = about.material,
+    material: string = about.material, own: Bundle<ObjectWords> | null = null,
   ): Promise<Document> {
-    const [{ surface }, brush] = await Promise.all([
-      studio.surface(about.name, about.resolution, material),
+    const [surface, brush] = await Promise.all([
+      own === null ? studio.surface(about.name, about.resolution, material) : studio.surfaceOf(own, material),
       studio.brush(brushName),
     ]);
+    const closest = new ClosestPoints(studio.kernels, surface.object);
     surface.useLayers();
     const painter = new Painter(studio.kernels, studio.sizes, surface, brush, studio.ink(ink));
-    const document = new Document(studio.kernels, about, surface, painter, ink);
+    const document = new Document(studio.kernels, about, surface, painter, closest, ink);
     document.#lines.push({
       format: "paint3d-recording",
       version: 2,
@@ -116,7 +119,12 @@ export class Document {
 
   /** Whether there is anything to be lost. */
   get isPainted(): boolean {
-    return this.#lines.some((line) => line.do === "begin_stroke" || line.do === "press_seal");
+    return this.#lines.some(isMark);
+  }
+
+  /** How many strokes were begun and seals pressed, whether or not they were undone. */
+  get nMarks(): number {
+    return this.#lines.filter(isMark).length;
   }
 
   /** Take another brush; not during a stroke, which one brush paints. */
@@ -251,10 +259,10 @@ export class Document {
     else if (edit.do === "remove_layer") layers.remove(edit.place);
     else if (edit.do === "move_layer") layers.move(edit.place, edit.to);
     else if (edit.do === "select_layer") layers.activate(edit.place);
-    else if (edit.do === "set_visible") layers.describe(edit.place, { visible: edit.visible });
-    else if (edit.do === "rename_layer") layers.describe(edit.place, { name: edit.name });
-    else if (edit.do === "set_blend") layers.describe(edit.place, { blend: edit.blend });
-    else layers.describe(edit.place, { opacity: edit.opacity });
+    else if (edit.do === "set_visible") layers.setProperties(edit.place, { visible: edit.visible });
+    else if (edit.do === "rename_layer") layers.setProperties(edit.place, { name: edit.name });
+    else if (edit.do === "set_blend") layers.setProperties(edit.place, { blend: edit.blend });
+    else layers.setProperties(edit.place, { opacity: edit.opacity });
     if (edit.do !== "select_layer" && edit.do !== "rename_layer") surface.touch([...shown, ...layers.paintedIds()]);
     this.#lines.push({ ...edit });
   }
@@ -307,7 +315,7 @@ export class Document {
    * Do what a score of a page says; `progress` is told the share that is done. Ends at a line that
    * a page has not written.
    */
-  async repeat(studio: Studio, text: string, progress: (share: number) => Promise<void>): Promise<void> {
+  async repeat(studio: Studio, text: string, progress: (share: number) => void): Promise<void> {
     const lines = text.split("\n").filter((line) => line !== "");
     for (const [k, line] of lines.entries()) {
       if (k === 0) continue; // the head, which this document was opened by
@@ -316,7 +324,10 @@ export class Document {
       else if (row.do === "set_brush") this.setBrush(await studio.brush(row.brush as string));
       else if (row.do === "dip") this.#dipIn(studio, row.ink as Record<string, number>);
       else if (row.do === "begin_stroke") this.beginStroke(row.erase === true);
-      else if (row.do === "end_stroke") this.endStroke();
+      else if (row.do === "end_stroke") {
+        this.endStroke();
+        this.surface.refresh(); // not all at the end
+      }
       else if (row.do === "undo") this.undo();
       else if (row.do === "redo") this.redo();
       else if (row.do === "dry") this.dry();
@@ -327,8 +338,9 @@ export class Document {
       else if (row.do === "follow_time")
         for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
       else throw new RecordingError(`line ${k + 1}: a page does not know ${String(row.do)}`);
-      if (row.do !== undefined) await progress((k + 1) / lines.length);
+      progress((k + 1) / lines.length);
     }
+    this.#taken = this.#lines.length; // where a text is kept that ends within a stroke, its end is still to be
     if (this.#inStroke) this.endStroke();
     this.surface.refresh();
   }

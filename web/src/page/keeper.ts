@@ -1,12 +1,15 @@
 /** The piece in hand, kept in the browser's own storage, so that it is there again after a closed tab. */
 
+import type { OwnFile } from "./own_object";
+
 const NAME = "paint3d";
 const STORE = "score"; // parts of a score, in their order
+const OBJECT = "object"; // the file that it is painted on, where it is somebody's own
 
 export class Keeper {
   #last: Promise<void> = Promise.resolve();
   #waiting = 0;
-  isSound = true; // nothing was refused
+  isSound = true; // nothing of this piece was refused
 
   private constructor(private readonly database: IDBDatabase) {}
 
@@ -14,8 +17,11 @@ export class Keeper {
   static async open(): Promise<Keeper | null> {
     try {
       return await new Promise((done, failed) => {
-        const asked = indexedDB.open(NAME, 1);
-        asked.onupgradeneeded = () => asked.result.createObjectStore(STORE, { autoIncrement: true });
+        const asked = indexedDB.open(NAME, 2);
+        asked.onupgradeneeded = ({ oldVersion }) => {
+          if (oldVersion < 1) asked.result.createObjectStore(STORE, { autoIncrement: true });
+          asked.result.createObjectStore(OBJECT, { autoIncrement: true });
+        };
         asked.onsuccess = () => done(new Keeper(asked.result));
         asked.onerror = () => failed(asked.error);
         asked.onblocked = () => failed(new Error("the storage is in use"));
@@ -40,31 +46,58 @@ export class Keeper {
     });
   }
 
-  /** Keep another piece from now on. */
-  begin(): void {
-    this.#write((store) => store.clear());
+  /** The file that it is painted on; undefined for an object of the page. */
+  readObject(): Promise<OwnFile | undefined> {
+    return new Promise((done, failed) => {
+      const asked = this.database.transaction(OBJECT).objectStore(OBJECT).getAll() as IDBRequest<OwnFile[]>;
+      asked.onsuccess = () => done(asked.result[0]);
+      asked.onerror = () => failed(asked.error);
+    });
   }
 
-  /** Keep a further part of the score. */
+  /** Keep another piece from now on, and the file that it is painted on; nothing at all where that is refused. */
+  begin(file: OwnFile | null): void {
+    const clear = (store: IDBObjectStore, objects: IDBObjectStore): void => {
+      store.clear();
+      objects.clear();
+    };
+    this.#queue(async () => {
+      try {
+        await this.#write((store, objects) => {
+          clear(store, objects);
+          if (file !== null) objects.add(file);
+        });
+        this.isSound = true;
+      } catch (cause) {
+        await this.#write(clear); // the piece before is not to go on as this one
+        throw cause;
+      }
+    });
+  }
+
+  /** Keep a further part of the score, unless a part before it is missing. */
   append(text: string): void {
-    if (text !== "") this.#write((store) => store.add(text));
+    if (text === "") return;
+    this.#queue(async () => {
+      if (this.isSound) await this.#write((store) => store.add(text));
+    });
   }
 
-  #write(work: (store: IDBObjectStore) => void): void {
+  #queue(work: () => Promise<void>): void {
     this.#waiting++;
-    this.#last = this.#last.then(
-      () =>
-        new Promise((done) => {
-          const over = (isSound: boolean) => (): void => {
-            this.isSound &&= isSound;
-            this.#waiting--;
-            done();
-          };
-          const transaction = this.database.transaction(STORE, "readwrite");
-          work(transaction.objectStore(STORE));
-          transaction.oncomplete = over(true);
-          transaction.onerror = transaction.onabort = over(false);
-        }),
-    );
+    const refused = (cause: unknown): void => {
+      this.isSound = false;
+      console.warn("what is painted cannot be kept in this browser:", cause);
+    };
+    this.#last = this.#last.then(work).catch(refused).finally(() => this.#waiting--);
+  }
+
+  #write(work: (store: IDBObjectStore, objects: IDBObjectStore) => void): Promise<void> {
+    return new Promise((done, failed) => {
+      const transaction = this.database.transaction([STORE, OBJECT], "readwrite");
+      transaction.oncomplete = () => done();
+      transaction.onabort = () => failed(transaction.error);
+      work(transaction.objectStore(STORE), transaction.objectStore(OBJECT));
+    });
   }
 }

@@ -1,6 +1,6 @@
 /** The layers, the uppermost first, and what can be done to them. */
 
-import type { Blend, LayerStack } from "../surface/layer_stack";
+import type { Blend, Layer } from "../surface/layer_stack";
 import { button, choice, field, section, slider } from "./controls";
 import type { LayerEdit } from "./document";
 import { say } from "./texts";
@@ -13,8 +13,8 @@ export class LayerList {
   /** `edit` does what is asked for. */
   constructor(private readonly edit: (words: LayerEdit) => void) {}
 
-  show(stack: Pick<LayerStack, "layers" | "active">): void {
-    const { layers: all, active: place } = stack;
+  /** The lowest first, and the place of the active one. */
+  show(all: readonly Layer[], place: number): void {
     const { edit } = this;
     const rows = all.map((_, k) => this.#row(all, k, k === place)).reverse();
     const { name, opacity, blend } = all[place];
@@ -22,7 +22,7 @@ export class LayerList {
     const input = faded.querySelector("input") as HTMLInputElement;
     input.addEventListener("change", () => edit({ do: "set_opacity", place, opacity: Number(input.value) }));
     const named = field("name", say("name"), name, (text) => {
-      if (text.trim() === "") return this.show(stack);
+      if (text.trim() === "") return this.show(all, place);
       edit({ do: "rename_layer", place, name: text });
     });
     this.element.replaceChildren(
@@ -35,7 +35,7 @@ export class LayerList {
     ); // prettier-ignore
   }
 
-  #row(all: LayerStack["layers"], place: number, isActive: boolean): HTMLElement {
+  #row(all: readonly Layer[], place: number, isActive: boolean): HTMLElement {
     const { edit } = this;
     const { name, visible } = all[place];
     const row = document.createElement("div");

@@ -2,25 +2,32 @@
 
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
-import { PIECE_S } from "../painter/painter";
-import { Studio, UnknownNameError, type Contents, type Fetch } from "../studio";
+import { times } from "../core/vectors";
+import { MULTI_AXIS } from "../device/six_dof";
+import { hidOf, SpaceMouse, type HidDevice } from "../device/space_mouse";
+import { UnknownNameError, type Contents, type Fetch } from "../studio";
+import { Ahead } from "./ahead";
 import { ballAround, Camera } from "./camera";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
-import { Copybook, USUAL, type Guides, type LaidText } from "./copybook";
+import { Copybook, type LaidText } from "./copybook";
 import { CopybookList } from "./copybook_list";
 import { SealList, type CutSeal } from "./seal_list";
-import { frameAt } from "../mesh/chart";
 import { PASTE } from "../seal/pressing";
-import { NoRoomError, NoTouchError, USUAL_PRESSING } from "../seal/print";
 import { SealLines } from "../seal/stone";
-import { Document, type LayerEdit } from "./document";
+import type { LayerEdit } from "./document";
+import type { Piece, State, Told } from "./engine";
+import { EngineClient } from "./engine_client";
+import type { Engaged } from "./engine_worker";
 import { LayerList } from "./layer_list";
-import { glbOf, plyOf } from "./export";
-import { Hand, type PointerInput } from "./hand";
+import type { HandSettings, PointerInput } from "./hand";
 import { Keeper } from "./keeper";
+import { MeshError, type Note } from "../files/mesh_error";
+import { checkSize, SUFFIXES, UNITS_MM, UP_AXES, type Unit } from "../files/wanted";
+import { bringObject, Cancelled, type OwnFile, type OwnObject } from "./own_object";
+import type { PictureChange } from "./picture_feed";
 import { Stage, StageError } from "./stage";
-import { choose, language, named, say, type Texts } from "./texts";
+import { choose, language, named, say, sayNotes, type Texts } from "./texts";
 
 // What SIMD is tried by: a function whose body is one instruction of it.
 const SIMD = new Uint8Array([
@@ -29,12 +36,39 @@ const SIMD = new Uint8Array([
 ]); // prettier-ignore
 const WHEEL_NOTCH = 1.0015; // nearer by this a unit of the wheel
 const SEEN = 2000; // vertices, at most, that the picture is fitted to
-const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
 const ERASER_END = 5; // the button that a pen's other end says
-const WRITTEN_FASTER = 3.0; // than the planned hand goes
-const MESH = /\.(glb|gltf|obj|ply|stl)$/i;
+const RECORDING = /\.jsonl$/i;
+const OWN_MM = 0.4;
+const FINENESS_MM = [0.2, 0.3, 0.4, 0.6, 0.8, 1.6];
+const SPEED_MM_S = 150.0; // of a 3-D mouse at full deflection
+const TURN_RAD_S = 1.5;
+const [RECENTRE, DIP, UNDO, REDO] = [1, 2, 4, 8]; // its buttons, as bits
 const TAP_PX = 12; // that a tap may slip
+const TAP_MS = 350; // that a tap of several fingers takes, at most
+const SLIP_PX = 6; // that a finger goes before it paints,
+const SLIP_MS = 90; // or how long it is alone
+const STEP_PX = 40; // that a key turns, or moves
+const KEY_ZOOM = 1.2;
 const PALM_MS = 700; // after a pen's last word a touch is a palm
+
+/** How a piece is opened. */
+interface Opening {
+  signal?: AbortSignal; // it is not wanted any more
+  material?: string;
+  score?: string; // that is painted again
+  own?: OwnObject | null; // that somebody has brought
+  isKept?: boolean; // whether the browser keeps it already
+  brush?: string;
+  ink?: string;
+}
+
+/** A piece that is painted on. */
+interface Opened {
+  readonly engine: EngineClient;
+  readonly piece: Piece;
+  readonly about: Contents["objects"][number];
+  state: State;
+}
 
 /** What the page cannot do without. */
 class Missing extends Error {
@@ -51,42 +85,54 @@ class Page {
   readonly #message = element("message");
   readonly #panel = new Panel(() => this.#resize());
   readonly #texts = new CopybookList({
-    lay: (text, number) => this.#layText(text, number),
-    remove: (number) => this.#changeTexts(() => this.#opened().painting.removeText(number)),
-    place: (number) => this.#whenTapped(say("place"), (event) => this.#place(event, number)),
+    lay: (text) => this.#layText(text),
+    change: (number, words) => this.#changeTexts("changeText", number, words),
+    remove: (number) => this.#changeTexts("removeText", number),
+    place: (number) => this.#whenTapped(say("place"), (event) => this.#changeTexts("moveText", number, this.#inputOf(event))),
     write: (number) => void this.#write(number),
   });
   #copybook: Copybook | null = null;
-  readonly #seals = new SealList((seal) => this.#whenTapped(say("tapForSeal"), (event) => this.#pressSeal(event, seal)));
+  readonly #seals = new SealList((seal) => this.#whenTapped(say("tapForSeal"), (event) => void this.#pressSeal(event, seal)));
   #sealLines: SealLines | null = null;
   #tapping: PointerEvent | null = null; // that is down there
   #tapped: ((event: PointerEvent) => void) | null = null; // what is done where the object is tapped next
   #writes = false; // a planned hand
+  #opening: AbortController | null = null; // what is opened last, or was
+  #nMarks = 0; // of the painting in hand, when it was asked whether it may go
+  #asked: OwnFile | null = null; // that is being prepared
   readonly #layers = new LayerList((edit) => this.#restack(edit));
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
   readonly #stage: Stage;
-  #studio: Studio | null = null;
-  #painting: Document | null = null;
+  readonly #ahead = new Ahead(this.#canvas);
+  #contents: Contents | null = null;
+  #opened: Opened | null = null; // the piece in hand
   #camera: Camera | null = null;
-  #hand: Hand | null = null;
-  #object = 0;
+  #object = 0; // of `#objects`
+  #own: OwnObject | null = null; // that was brought last
   #brush = "";
   #ink = "";
   #dipAlways = true;
   #erases = false;
   #spreads = false; // whether time passes for wet ink
-  #passedMs = 0.0; // of that time
   #press = 0.5;
   #drawn = false; // whether a frame is asked for
   #isMoved = false; // whether the object is seen as somebody has turned it
-  #changed: Int32Array[] = [];
-  #pointer: number | null = null; // that is down and paints, as far as was heard
-  #inStroke = false; // as far as was painted
-  #events: PointerEvent[] = [];
+  #changes: PictureChange[] = []; // that are not shown yet
+  #heardMs = 0.0; // up to when what the pointer did is in them
+  #pointer: number | null = null; // that is down and paints
+  #nBegun = 0; // strokes
+  #nAsked = 0; // of the thread that paints, and not answered
   #touches = new Map<number, { x: number; y: number }>();
+  #gesture = { beganMs: 0.0, fingers: 0, way: 0.0 }; // of the touches that are down, or were
+  #alone: { down: PointerEvent; moves: PointerEvent[]; timer: ReturnType<typeof setTimeout> } | null = null; // a finger that may paint
   #turning: { pointer: number; pans: boolean; x: number; y: number } | null = null;
   #penAt = -Infinity;
+  #isPenKnown = false;
+  #fingersPaint = true;
   #keeper: Keeper | null = null;
+  #mouse: SpaceMouse | null = null;
+  #steeredMs = 0.0; // up to when it has steered
+  #isSteered = false; // at the last frame
 
   constructor() {
     this.#stage = new Stage(this.#canvas);
@@ -95,6 +141,7 @@ class Page {
       this.tell("noWebGl");
     };
     this.#canvas.addEventListener("webglcontextlost", lost);
+    this.#canvas.addEventListener("webglcontextrestored", () => this.#restore());
     this.#listen();
     this.#panel.show(matchMedia("(min-width: 1081px) and (min-height: 481px)").matches ? "more" : null);
     new ResizeObserver(() => this.#resize()).observe(this.#canvas);
@@ -126,8 +173,7 @@ class Page {
   /** Say what went wrong. */
   fail(cause: unknown): void {
     this.#pointer = null;
-    this.#inStroke = false;
-    this.#events = [];
+    this.#ahead.end();
     if (cause instanceof Missing) this.tell(cause.key, cause.fields);
     else if (cause instanceof StageError) this.tell("noWebGl");
     else if (cause instanceof RangeError || (cause instanceof KernelError && /memory/.test(cause.message)))
@@ -136,31 +182,114 @@ class Page {
     console.error(cause);
   }
 
-  /** Open the folder's first object. */
+  /** What can be painted on: the folder's, and what somebody has brought. */
+  get #objects(): Contents["objects"] {
+    const own = this.#own === null ? [] : [this.#own.about];
+    return [...(this.#contents?.objects ?? []), ...own];
+  }
+
+  /** Whether the piece is on what somebody has brought. */
+  get #isOnOwn(): boolean {
+    return this.#own !== null && this.#opened?.about === this.#own.about;
+  }
+
+  /** Open the piece that is kept, or the folder's first object. */
   async begin(): Promise<void> {
     const contents = JSON.parse(
       new TextDecoder().decode(await this.#fetch("contents.json")),
     ) as Contents;
+    this.#contents = contents;
     this.#brush = contents.brushes[0].name;
     this.#ink = contents.inks[0].name;
     this.#keeper = await Keeper.open();
     const text = (await this.#keeper?.read().catch(() => "")) ?? "";
-    if (/begin_stroke|press_seal/.test(text) && (await this.#goOn(contents, text)) === "") return;
-    await this.open(contents, 0);
+    if (/begin_stroke|press_seal/.test(text)) {
+      const file = await this.#keeper?.readObject().catch(() => undefined);
+      try {
+        await this.#goOn(contents, text, this.#another(), { file, isKept: true });
+        return;
+      } catch (cause) {
+        console.warn("the piece cannot be opened:", cause);
+        save(new Blob([text], { type: "application/jsonl" }), "kept.score.jsonl"); // what is not opened is not lost
+      }
+    }
+    await this.open(contents, contents.objects[0], { signal: this.#another() });
   }
 
-  /** Open what was recorded in a page. */
-  async #load(file: File): Promise<void> {
-    const { studio, painting } = this.#opened();
-    if (painting.isPainted && !confirm(say("leave"))) return;
-    const text = await file.text();
-    const cause = await this.#goOn(studio.contents, text);
-    if (cause !== "") {
-      if (this.#painting === painting) this.#message.hidden = true;
-      return this.#notice(say("notOpened", { name: file.name, cause }));
+  /** Give up what is being opened, for something else. */
+  #another(): AbortSignal {
+    this.#opening?.abort();
+    this.#opening = new AbortController();
+    this.#nMarks = this.#opened?.state.nMarks ?? 0;
+    this.#asked = null;
+    return this.#opening.signal;
+  }
+
+  /** Open something in place of the piece in hand, which stays where that is not wanted or cannot be. */
+  async #replace(name: string, work: (contents: Contents, signal: AbortSignal) => Promise<void>): Promise<void> {
+    const [contents, before] = [this.#contents, this.#inHand()];
+    if (contents === null) return;
+    if (this.#isPainted && !confirm(say("leave"))) return this.showBar();
+    const signal = this.#another();
+    try {
+      await work(contents, signal);
+    } catch (cause) {
+      if (this.#opening?.signal !== signal) return; // something else is being opened
+      this.#asked = null;
+      if (this.#opened !== before) return this.fail(cause);
+      const said = cause instanceof Cancelled ? "" : say("notOpened", { name, cause: await this.#causeOf(cause) });
+      this.#message.hidden = true;
+      this.showBar();
+      if (said === "") return;
+      console.warn("it cannot be opened:", cause);
+      this.#notice(said);
     }
-    this.#keeper?.begin();
-    this.#keeper?.append(this.score());
+  }
+
+  /** Paint on a file's object. */
+  async #bring(contents: Contents, file: OwnFile, signal: AbortSignal): Promise<void> {
+    this.#asked = file;
+    const own = await this.#prepared(contents, file, signal);
+    await this.open(contents, own.about, { signal, own });
+    if (own.notes.length > 0) this.#notice(say("told", { name: file.name, notes: await this.#inWords(...own.notes) }));
+  }
+
+  /** Notes on a file in the language that is spoken. */
+  async #inWords(...notes: Note[]): Promise<string> {
+    if (language() === "en") return sayNotes(notes, {});
+    const read = async (): Promise<Record<string, string>> =>
+      JSON.parse(new TextDecoder().decode(await this.#fetch("notes.zh.json"))) as Record<string, string>;
+    return sayNotes(notes, await read().catch(() => ({})));
+  }
+
+  /** Have a file's object prepared, while it is said how far that is. */
+  #prepared(contents: Contents, file: OwnFile, signal: AbortSignal): Promise<OwnObject> {
+    const progress = (share: number): void => {
+      if (!signal.aborted) this.#tellOf(say("reading", { name: file.name, percent: Math.round(100 * share) }));
+    };
+    progress(0);
+    return bringObject(this.#fetch, contents, file, progress, signal);
+  }
+
+  /** Say how far it is with what is being opened, which may be cancelled. */
+  #tellOf(text: string): void {
+    showMessage(text, () => this.#opening?.abort());
+  }
+
+  /** Open what was dropped or chosen: a recording, or an object. */
+  #openFile(file: File): void {
+    void this.#replace(file.name, async (contents, signal) => {
+      if (RECORDING.test(file.name)) {
+        const text = await file.text();
+        const own = this.#own;
+        const isOn = headOf(text)?.mesh === own?.prepared.words.mesh;
+        return this.#goOn(contents, text, signal, { file: isOn ? own?.file : undefined });
+      }
+      checkSize(file.size);
+      const data = new Uint8Array(await file.arrayBuffer());
+      if (signal.aborted) throw new Cancelled();
+      return this.#bring(contents, { name: file.name, data, resolution: OWN_MM, wanted: {} }, signal);
+    });
   }
 
   /** Say something below the picture for a while. */
@@ -171,99 +300,185 @@ class Page {
     setTimeout(() => hint.classList.add("done"), 8000);
   }
 
-  /** Open the piece that a score of a page says; "", or why it cannot be. */
-  async #goOn(contents: Contents, text: string): Promise<string> {
-    const [brushBefore, inkBefore] = [this.#brush, this.#ink];
-    try {
-      const head = headOf(text);
-      if (head === null) return say("noHead");
-      const [object, mm] = [String(head.object), Number(head.resolution_mm)];
-      const place = contents.objects.findIndex((one) => one.name === object && one.resolution === mm);
-      if (place < 0) return say("noObject", { object, mm });
-      const ink = inkOf(contents, head.ink);
-      if (ink === undefined) return say("noInk", { ink: JSON.stringify(head.ink) });
-      this.#brush = String(head.brush);
-      this.#ink = ink.name;
-      await this.open(contents, place, head.material as string | undefined, text);
-      return "";
-    } catch (cause) {
-      console.warn("the piece cannot be opened:", cause);
-      [this.#brush, this.#ink] = [brushBefore, inkBefore];
-      if (cause instanceof Missing) return say(cause.key, cause.fields);
-      if (cause instanceof UnknownNameError) return say("noName", { kind: say(cause.kind), name: cause.unknown });
-      return cause instanceof Error ? cause.message : String(cause);
+  /** Open the piece that a score of a page says, on a file where it is none of the folder's. */
+  async #goOn(
+    contents: Contents, text: string, signal: AbortSignal, { file, isKept }: { file?: OwnFile; isKept?: boolean },
+  ): Promise<void> {
+    const head = headOf(text);
+    if (head === null) throw new Missing("noHead");
+    const [object, mm] = [String(head.object), Number(head.resolution_mm)];
+    let about = contents.objects.find((one) => one.name === object && one.resolution === mm);
+    let own: OwnObject | null = null;
+    if (about === undefined && file !== undefined) {
+      own = this.#own?.file === file && file.resolution === mm ? this.#own
+        : await this.#prepared(contents, { ...file, resolution: mm }, signal);
+      about = { ...own.about, name: object };
+      own = { ...own, about };
     }
+    if (about === undefined) {
+      if (SUFFIXES.some((suffix) => object.toLowerCase().endsWith(suffix))) throw new Missing("ownFirst", { object });
+      throw new Missing("noObject", { object, mm });
+    }
+    const ink = inkOf(contents, head.ink);
+    if (ink === undefined) throw new Missing("noInk", { ink: JSON.stringify(head.ink) });
+    await this.open(contents, about, {
+      signal, score: text, own, isKept, material: head.material as string | undefined, brush: String(head.brush), ink: ink.name,
+    }); // prettier-ignore
   }
 
-  /** Open an object, fresh. */
-  async open(contents: Contents, place: number, material?: string, score = ""): Promise<void> {
-    const about = contents.objects[place];
+  /** Why something cannot be opened, in the language that is spoken. */
+  async #causeOf(cause: unknown): Promise<string> {
+    if (cause instanceof Missing) return say(cause.key, cause.fields);
+    if (cause instanceof UnknownNameError) return say("noName", { kind: say(cause.kind), name: cause.unknown });
+    if (cause instanceof MeshError) return this.#inWords(cause.note);
+    return cause instanceof Error ? cause.message : String(cause);
+  }
+
+  /** Open an object, fresh, or as a score leaves it; nothing is changed where `signal` comes before it is ready. */
+  async open(
+    contents: Contents, about: Contents["objects"][number],
+    { signal = this.#another(), material, score = "", own = null, isKept = false, brush = this.#brush, ink = this.#ink }: Opening = {},
+  ): Promise<void> {
+    const goOn = (): void => {
+      if (signal.aborted) throw new Cancelled();
+    };
+    goOn();
     this.tell("loading", { name: named(about) });
-    // its own kernels, whose memory goes with them
-    const studio = await Studio.open(this.#fetch);
-    const painting = await Document.open(studio, about, this.#brush, this.#ink, material);
-    if (score !== "") {
-      const isSame = headOf(score)?.mesh === painting.surface.object.words.mesh;
-      if (!isSame) throw new Missing("otherMesh", { object: named(about) });
-      let shown = performance.now();
-      await painting.repeat(studio, score, async (share) => {
-        if (performance.now() - shown < 100.0) return;
-        this.tell("repeating", { percent: Math.round(100 * share) });
-        await new Promise((done) => setTimeout(done));
-        shown = performance.now();
-      });
-      this.#brush = painting.painter.brush.name;
-      this.#ink = inkOf(contents, painting.dipped)?.name ?? this.#ink;
-      painting.takeNew(); // which is kept
-    } else {
-      this.#keeper?.begin();
-      this.#keeper?.append(painting.takeNew());
+    const heard: Told[] = [];
+    let listen = (told: Told): void => void heard.push(told);
+    const listener = { told: (told: Told) => listen(told), failed: (cause: unknown) => this.fail(cause) };
+    const words = {
+      about, brush, ink, material, score, hand: this.#handSettings,
+      own: own === null ? null : { ...own.prepared, name: own.file.name },
+    }; // prettier-ignore
+    const progress = (share: number): void => {
+      if (!signal.aborted) this.#tellOf(say("repeating", { percent: Math.round(100 * share) }));
+    };
+    const [engine, piece] = await EngineClient.open(this.#fetch, words, progress, listener, signal);
+    let whole = "";
+    try {
+      goOn();
+      if (score !== "" && headOf(score)?.mesh !== piece.mesh) throw new Missing("otherMesh", { object: named(about) });
+      whole = await engine.call("score");
+      goOn();
+      // it was painted on while this was made ready
+      if ((this.#opened?.state.nMarks ?? 0) > this.#nMarks && !confirm(say("leave"))) throw new Cancelled();
+    } catch (cause) {
+      engine.close();
+      throw cause;
     }
-    this.#object = place;
-    this.#studio = studio;
-    this.#painting = painting;
-    const { arrays, nBaseVertices: n } = painting.surface.paintMesh;
-    const [middle, radius] = ballAround(arrays.px.data, arrays.py.data, arrays.pz.data, n);
-    const z = arrays.pz.data;
-    let [low, high] = [Infinity, -Infinity];
-    for (let i = 0; i < n; i++) [low, high] = [Math.min(low, z[i]), Math.max(high, z[i])];
-    const flat = high - low < 0.01 * radius;
-    const points: Vector[] = [];
-    for (let i = 0; i < n; i += Math.ceil(n / SEEN)) points.push([arrays.px.data[i], arrays.py.data[i], z[i]]);
-    this.#camera = new Camera(middle, radius, flat, points);
-    this.#isMoved = false;
-    this.#spreads = painting.surface.material.pores_mm > 0.0;
-    this.#hand = new Hand(studio.kernels, studio.sizes, painting.closest, {
-      firmness: 1.0, mousePressure: 0.0,
-    }); // prettier-ignore
-    this.#setPress(this.#press);
-    this.#stage.open(painting, flat);
-    this.#tapped = null;
-    if (painting.texts.length > 0) await this.#openCopybook();
-    else this.#showTexts();
-    this.#message.hidden = true;
+    const told = heard[0];
+    if (!isKept) this.#keeper?.begin(own?.file ?? null);
+    this.#keeper?.append(isKept ? told.score : whole);
+    this.#opened?.engine.close();
+    if (own !== null) this.#own = own;
+    this.#asked = null;
+    this.#opened = { engine, piece, about, state: told.state };
+    if (score !== "") [brush, ink] = [told.state.brush, inkOf(contents, told.state.dipped)?.name ?? ink];
+    [this.#brush, this.#ink] = [brush, ink];
+    this.#object = this.#objects.indexOf(about);
+    this.#show(piece, told.picture as PictureChange);
+    listen = (later) => this.#hear(later);
+    for (const later of heard.slice(1)) this.#hear(later);
+    this.#spreads = piece.isPorous;
+    void this.#ask("setSpreads", this.#spreads);
+    this.#tapped = this.#tapping = this.#pointer = this.#turning = null; // what is down was down on the piece before
+    this.#touches.clear();
+    this.#setWrites(false);
+    if (told.state.texts.length > 0) await this.#openCopybook();
+    else if (this.#copybook !== null) void this.#ask("openCopybook", contents.copybook?.file ?? "");
+    if (this.#opening?.signal === signal) this.#message.hidden = true; // else something else is being opened
     this.showBar();
     this.#showAll();
     this.draw();
+  }
+
+  /** See an object from where it is painted best. */
+  #show({ nBaseVertices: n, roughness }: Piece, picture: PictureChange): void {
+    const [x, y, z] = picture.axes.map((axis) => axis.subarray(0, n));
+    const [middle, radius] = ballAround(x, y, z, n);
+    let [low, high] = [Infinity, -Infinity];
+    for (const at of z) [low, high] = [Math.min(low, at), Math.max(high, at)];
+    const flat = high - low < 0.01 * radius;
+    const points: Vector[] = [];
+    for (let i = 0; i < n; i += Math.ceil(n / SEEN)) points.push([x[i], y[i], z[i]]);
+    this.#camera = new Camera(middle, radius, flat, points);
+    this.#isMoved = false;
+    this.#stage.open([x, y, z], roughness, flat);
+    this.#stage.guide({ outlines: new Float32Array(), grid: new Float32Array() });
+    this.#changes = [picture];
+  }
+
+  // -- the thread that paints -----------------------------------------------------------------
+
+  /** Have something done to the painting, and say if it went wrong. */
+  async #ask<N extends keyof Engaged>(
+    name: N, ...words: Parameters<Engaged[N]>
+  ): Promise<Awaited<ReturnType<Engaged[N]>> | undefined> {
+    const { engine } = this.#inHand();
+    this.#nAsked++;
+    try {
+      return await engine.call(name, ...words);
+    } catch (cause) {
+      if (engine === this.#opened?.engine) this.fail(cause);
+      return undefined;
+    } finally {
+      this.#nAsked--;
+    }
+  }
+
+  /** Take up what is told of the painting. */
+  #hear({ state, score, guides, picture, heardMs }: Told): void {
+    const opened = this.#inHand();
+    const before = opened.state;
+    opened.state = state;
+    this.#keeper?.append(score);
+    const differs = (name: keyof State): boolean => JSON.stringify(before[name]) !== JSON.stringify(state[name]);
+    if (guides !== undefined) this.#stage.guide(guides);
+    if (differs("texts")) this.#showTexts();
+    if (differs("layers") || differs("active")) this.#showLayers();
+    if (differs("brush") || differs("dipped")) this.#showInHand();
+    else this.#showState();
+    if (picture !== undefined) {
+      this.#changes.push(picture);
+      this.#heardMs = heardMs;
+    }
+    this.draw();
+  }
+
+  #inHand(): Opened {
+    if (this.#opened === null) throw new Error("nothing is open");
+    return this.#opened;
+  }
+
+  get #isPainted(): boolean {
+    return this.#pointer !== null || this.#opened?.state.isPainted === true;
+  }
+
+  /** The browser has given back what it had taken of the picture. */
+  #restore(): void {
+    this.#stage.restore();
+    this.#changes = [];
+    this.#message.hidden = true;
+    void this.#ask("showAnew");
   }
 
   // -- the bar --------------------------------------------------------------------------------
 
   /** Show what there is to choose, in the language that is spoken. */
   showBar(): void {
-    const studio = this.#studio;
-    if (studio === null) return;
-    const { contents } = studio;
+    const [contents, opened] = [this.#contents, this.#opened];
+    if (contents === null || opened === null) return;
     document.title = say("title");
     element("hint").textContent = say(matchMedia("(pointer: coarse)").matches ? "hintTouch" : "hint");
-    const objects = contents.objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
+    const objects = this.#objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
     const filled = document.createElement("span");
     filled.id = "ink";
     for (const [key, value] of Object.entries({ role: "meter", "aria-valuemin": "0", "aria-valuemax": "100" }))
       filled.setAttribute(key, value);
     filled.setAttribute("aria-label", say("inkLeft"));
     filled.append(document.createElement("div"));
-    const dip = button("dip", say("dip"), () => this.#act(() => this.#dip()), "dip");
+    const dip = button("dip", say("dip"), () => void this.#ask("dip", this.#ink), "dip");
     dip.append(filled);
     const erase = button("erase", say("erase"), () => this.#setErases(!this.#erases), "erase");
     erase.setAttribute("aria-pressed", String(this.#erases));
@@ -290,8 +505,8 @@ class Page {
     const copybook = tab("copybook", say(contents.seals === undefined ? "copybook" : "copybookAndSeal"));
     copybook.hidden = contents.copybook === undefined && contents.seals === undefined;
     element("acts").replaceChildren(
-      button("undo", say("undo"), () => this.#step(() => this.#opened().painting.undo()), "undo"),
-      button("redo", say("redo"), () => this.#step(() => this.#opened().painting.redo()), "redo"),
+      button("undo", say("undo"), () => this.#step("undo"), "undo"),
+      button("redo", say("redo"), () => this.#step("redo"), "redo"),
       button("whole", say("view"), () => this.#showAll(), "whole"),
       copybook,
       tab("layers", say("layers")),
@@ -304,27 +519,32 @@ class Page {
     this.#panel.fill("save",
       section(say("keep"),
         button("picture", say("picture"), () => void this.savePicture()),
-        button("score", say("score"), () => this.saveScore()),
-        button("glb", "GLB", () => save(glbOf(this.#opened().painting.surface, this.#name()), `${this.#name()}.glb`)),
-        button("ply", "PLY", () => save(plyOf(this.#opened().painting.surface), `${this.#name()}.ply`)),
+        button("score", say("score"), () => void this.saveScore()),
+        button("glb", "GLB", () => void this.#saveObject("glb")),
+        button("ply", "PLY", () => void this.#saveObject("ply")),
         note(say(this.#keeper === null ? "notKept" : "kept"))),
       section(say("goOn"),
         button("load", say("load"), () =>
-          askForFile(".jsonl", (file) => this.#load(file).catch((cause: unknown) => this.fail(cause))))),
+          askForFile(".jsonl", (file) => this.#openFile(file)))),
     ); // prettier-ignore
     this.#panel.fill("more",
       section(say("piece"),
         choice("object", say("object"), objects, this.#object, (k) => this.#change(k)),
         choice("material", say("material"), contents.materials.map(named),
-          contents.materials.findIndex((one) => one.name === this.#painting?.surface.material.name),
+          contents.materials.findIndex((one) => one.name === opened.piece.material),
           (k) => this.#change(this.#object, contents.materials[k].name)),
-        button("fresh", say("fresh"), () => this.#change(this.#object, this.#painting?.surface.material.name))),
+        ...this.#ownControls(),
+        button("fresh", say("fresh"), () => this.#change(this.#object, opened.piece.material)),
+        button("own", say("ownObject"), () => askForFile(SUFFIXES.join(","), (file) => this.#openFile(file)))),
       section(say("water"),
         tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
-        button("dry", say("dry"), () => this.#act(() => this.#opened().painting.dry()))),
+        button("dry", say("dry"), () => void this.#ask("dry"))),
       section(say("hand"),
         slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on))),
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
+        ...(navigator.maxTouchPoints === 0 ? []
+          : [tick("fingers", say("fingersPaint"), this.#fingersPaint, (on) => this.#setFingersPaint(on))]),
+        ...(hidOf() === null ? [] : [button("mouse", this.#mouseText(), () => this.#plug())])),
       section(say("page"), button("language", say("language"), () => this.#speak())),
     ); // prettier-ignore
     this.#showLayers();
@@ -332,25 +552,47 @@ class Page {
     this.#showState();
   }
 
+  /** How the file of one's own object is read. */
+  #ownControls(): HTMLElement[] {
+    if (!this.#isOnOwn || this.#own === null) return [];
+    const { file } = this.#own;
+    const again = (change: (before: OwnFile) => Partial<OwnFile>): void => {
+      const before = this.#asked?.data === file.data ? this.#asked : file; // what was chosen just now holds
+      void this.#replace(file.name, (contents, signal) => this.#bring(contents, { ...before, ...change(before) }, signal));
+    };
+    const told = say("asTold");
+    const units = Object.keys(UNITS_MM) as Unit[];
+    const chosen = <T>(all: readonly T[], one: T | undefined): number => (one === undefined ? 0 : all.indexOf(one) + 1);
+    return [
+      choice("unit", say("unit"), [told, ...units], chosen(units, file.wanted.unit),
+        (k) => again(({ wanted }) => ({ wanted: { ...wanted, unit: k === 0 ? undefined : units[k - 1] } }))),
+      choice("up", say("upAxis"), [told, ...UP_AXES], chosen(UP_AXES, file.wanted.up),
+        (k) => again(({ wanted }) => ({ wanted: { ...wanted, up: k === 0 ? undefined : UP_AXES[k - 1] } }))),
+      choice("fineness", say("fineness"), FINENESS_MM.map((mm) => say("size", { mm })), FINENESS_MM.indexOf(file.resolution),
+        (k) => again(() => ({ resolution: FINENESS_MM[k] }))),
+    ]; // prettier-ignore
+  }
+
   // -- the copybook ---------------------------------------------------------------------------
 
   async #openCopybook(): Promise<void> {
-    const { contents } = this.#opened().studio;
-    if (contents.copybook === undefined) return;
-    this.#copybook ??= await Copybook.read(this.#fetch, contents.copybook.file);
+    const file = this.#contents?.copybook?.file;
+    if (file === undefined) return;
+    const guided = this.#ask("openCopybook", file);
+    this.#copybook ??= await Copybook.read(this.#fetch, file);
+    await guided;
     this.#showTexts();
   }
 
   async #openSeals(): Promise<void> {
-    const { contents } = this.#opened().studio;
-    if (contents.seals === undefined) return;
-    this.#sealLines ??= await SealLines.read(this.#fetch, contents.seals.file);
+    const file = this.#contents?.seals?.file;
+    if (file === undefined) return;
+    this.#sealLines ??= await SealLines.read(this.#fetch, file);
     this.#showSeals();
   }
 
   #showSeals(): void {
-    const { contents } = this.#opened().studio;
-    if (this.#sealLines !== null) this.#seals.show(this.#sealLines, contents.copybook === undefined);
+    if (this.#sealLines !== null) this.#seals.show(this.#sealLines, this.#contents?.copybook === undefined);
   }
 
   /** Do something where the object is tapped next, rather than paint. */
@@ -361,108 +603,47 @@ class Page {
   }
 
   /** Press a seal where the pointer is, or say why it cannot be. */
-  #pressSeal(event: PointerEvent, { rings, turn }: CutSeal): void {
-    const { painting, studio } = this.#opened();
+  async #pressSeal(event: PointerEvent, seal: CutSeal): Promise<void> {
+    const paste = this.#contents?.inks.find((one) => one.name === PASTE)?.name ?? this.#ink;
     const { origin, direction } = this.#inputOf(event);
-    const found = painting.closest.cast(origin, direction);
-    if (found === null) return this.#whenTapped(say("tapForSeal"), (next) => this.#pressSeal(next, { rings, turn }));
-    const { layers } = painting;
-    if (!layers.layers[layers.active].visible) return this.#notice(say("isHidden"));
-    const paste = studio.contents.inks.find((one) => one.name === PASTE)?.name ?? this.#ink;
-    this.#act(() => {
-      this.#paint(); // what was heard since the last frame
-      const { up } = frameAt(found, turn);
-      try {
-        painting.pressSeal(studio, { rings, at: found.point, up, ink: studio.partsOf(paste), ...USUAL_PRESSING });
-      } catch (cause) {
-        if (cause instanceof NoRoomError) this.#notice(say("sealNoRoom", { cause: cause.message }));
-        else if (cause instanceof NoTouchError) this.#notice(say("sealNoTouch"));
-        else throw cause;
-      }
-    });
+    const came = await this.#ask("pressSeal", { origin, direction }, seal, paste);
+    if (came === "beside") this.#whenTapped(say("tapForSeal"), (next) => void this.#pressSeal(next, seal));
+    else if (came === "hidden") this.#notice(say("isHidden"));
+    else if (came === "no touch") this.#notice(say("sealNoTouch"));
+    else if (typeof came === "object") this.#notice(say("sealNoRoom", { cause: came.noRoom }));
   }
 
-  /** Show the texts, and their lines on the object. */
+  /** Show what can be done with the texts. */
   #showTexts(): void {
-    const { painting, studio } = this.#opened();
-    if (this.#copybook !== null)
-      this.#texts.show(this.#copybook, painting.texts, studio.contents.copybook?.text ?? "");
-    this.#stage.guide(this.guides());
-    this.draw();
+    const { state } = this.#inHand();
+    if (this.#copybook !== null) this.#texts.show(this.#copybook, state.texts, this.#contents?.copybook?.text ?? "");
   }
 
   /** The lines that are shown to be written after, their points in pairs, mm. */
-  guides(): Guides {
-    const { closest, texts } = this.#opened().painting;
-    const all = texts.flatMap((text) => this.#copybook?.guides(closest, text) ?? []);
-    return {
-      outlines: all.flatMap(({ outlines }) => outlines),
-      grid: all.flatMap(({ grid }) => grid),
-    };
+  guides(): Record<string, number[]> {
+    const { outlines, grid } = this.#stage.guides;
+    return { outlines: [...outlines], grid: [...grid] };
   }
 
-  #changeTexts(change: () => void): void {
+  #changeTexts<N extends "layText" | "changeText" | "moveText" | "removeText">(name: N, ...words: Parameters<Engaged[N]>): void {
     this.#tapped = null; // it may have another number now
-    this.#act(() => {
-      this.#paint(); // what was heard since the last frame
-      change();
-    });
-    this.#showTexts();
+    void this.#ask(name, ...words);
   }
 
-  /** Lay a text; a new one in the middle of what is seen. */
-  #layText(text: Partial<LaidText>, number?: number): void {
-    const { painting, camera } = this.#opened();
-    const middle = camera.ray(...camera.centre, this.#aspect()) as Vector;
-    const point = painting.closest.cast(camera.eye, middle)?.point ?? painting.closest.find([0, 0, 0]).point;
-    this.#changeTexts(() => painting.layText({ ...USUAL, point, grid: "mi", ...text }, number));
-  }
-
-  /** The text that waits for it goes where the pointer is. */
-  #place(event: PointerEvent, number: number): void {
-    const { painting } = this.#opened();
-    const { origin, direction } = this.#inputOf(event);
-    const found = painting.closest.cast(origin, direction);
-    if (found !== null) this.#layText({ ...painting.texts[number], point: found.point }, number);
+  /** Lay a new text in the middle of what is seen. */
+  #layText(text: Partial<LaidText>): void {
+    const camera = this.#camera;
+    if (camera === null) return;
+    this.#changeTexts("layText", text, camera.eye, camera.ray(...camera.centre, this.#aspect()) as Vector);
   }
 
   /** Have a planned hand write a text, by its brush. */
   async #write(number: number): Promise<void> {
-    const { painting, studio } = this.#opened();
-    const copybook = this.#copybook;
-    if (copybook === null || this.#writes || this.#pointer !== null) return;
+    if (this.#copybook === null || this.#writes || this.#pointer !== null) return;
+    const opened = this.#inHand();
     this.#setWrites(true);
-    try {
-      this.#paint(); // what was heard since the last frame
-      const brush = await studio.brush(copybook.brush);
-      if (painting.painter.brush !== brush) painting.setBrush(brush);
-      for (const stroke of copybook.strokes(painting.closest, painting.texts[number])) {
-        painting.dip(studio, this.#ink);
-        painting.beginStroke();
-        try {
-          const startNs = painting.lastNs + 500_000_000n;
-          const began = performance.now();
-          for (let done = 0; done < stroke.length; ) {
-            const now = await new Promise<number>((next) => requestAnimationFrame(next));
-            if (this.#painting !== painting) return; // another object was opened
-            const due = BigInt(Math.round(1e6 * WRITTEN_FASTER * Math.max(0.0, now - began)));
-            const part = stroke.slice(done).filter(({ timeNs }) => timeNs <= due);
-            painting.advance(part.map((one) => ({ ...one, timeNs: startNs + one.timeNs })));
-            done += part.length;
-            this.#refresh();
-          }
-        } finally {
-          painting.endStroke();
-        }
-        this.#refresh();
-      }
-    } catch (cause) {
-      this.fail(cause);
-    } finally {
-      this.#setWrites(false);
-      this.#keep();
-      this.#showInHand();
-    }
+    await this.#ask("write", number, this.#ink);
+    if (this.#opened === opened) this.#setWrites(false);
   }
 
   /** Let a planned hand alone with the brush, or have it back. */
@@ -472,25 +653,21 @@ class Page {
   }
 
   #restack(edit: LayerEdit): void {
-    this.#act(() => {
-      this.#paint(); // what was heard since the last frame
-      this.#opened().painting.restack(edit);
-    });
-    this.#showLayers();
+    void this.#ask("restack", edit);
   }
 
   #showLayers(): void {
-    this.#layers.show(this.#opened().painting.layers);
+    const { layers, active } = this.#inHand().state;
+    this.#layers.show(layers, active);
   }
 
   #showState(): void {
-    const painting = this.#painting;
-    if (painting === null) return;
-    element<HTMLButtonElement>("undo").disabled = !painting.canUndo;
-    element<HTMLButtonElement>("redo").disabled = !painting.canRedo;
-    element<HTMLButtonElement>("dry").disabled = !painting.canDry;
-    element("hint").classList.toggle("done", painting.isPainted);
-    const share = Math.round(100 * Math.min(1.0, painting.painter.inkLeft()));
+    const { canUndo, canRedo, canDry, isPainted, inkLeft } = this.#inHand().state;
+    element<HTMLButtonElement>("undo").disabled = !canUndo;
+    element<HTMLButtonElement>("redo").disabled = !canRedo;
+    element<HTMLButtonElement>("dry").disabled = !canDry;
+    element("hint").classList.toggle("done", isPainted);
+    const share = Math.round(100 * inkLeft);
     element("ink").setAttribute("aria-valuenow", String(share));
     (element("ink").firstElementChild as HTMLElement).style.height = `${share}%`;
   }
@@ -501,40 +678,30 @@ class Page {
   }
 
   #change(place: number, material?: string): void {
-    const painting = this.#painting;
-    if (this.#studio === null) return;
-    if (painting?.isPainted === true && !confirm(say("leave"))) return this.showBar();
-    this.open(this.#studio.contents, place, material).catch((cause: unknown) => this.fail(cause));
+    const about = this.#objects[place];
+    const own = about === this.#own?.about ? this.#own : null;
+    void this.#replace(named(about), (contents, signal) => this.open(contents, about, { signal, material, own }));
   }
 
   #takeBrush(name: string): void {
-    const { studio, painting } = this.#opened();
-    studio.brush(name).then(
-      (brush) => {
-        this.#act(() => painting.setBrush(brush));
-        this.#showInHand();
-      },
-      (cause: unknown) => this.fail(cause),
-    );
+    if (this.#writes) return this.#showInHand();
+    void this.#ask("takeBrush", name);
   }
 
   #takeInk(name: string): void {
     this.#ink = name;
     this.#setErases(false);
-    this.#act(() => this.#dip());
-  }
-
-  #dip(): void {
-    const { studio, painting } = this.#opened();
-    painting.dip(studio, this.#ink);
+    void this.#ask("dip", name);
   }
 
   /** 0 to 1: how firm a pen, and how heavy a mouse, presses. */
   #setPress(value: number): void {
     this.#press = value;
-    if (this.#hand === null) return;
-    this.#hand.settings.firmness = 2.0 * value;
-    this.#hand.settings.mousePressure = 0.7 * value;
+    void this.#ask("setHand", this.#handSettings);
+  }
+
+  get #handSettings(): HandSettings {
+    return { firmness: 2.0 * this.#press, mousePressure: 0.7 * this.#press };
   }
 
   #setErases(on: boolean): void {
@@ -544,23 +711,7 @@ class Page {
 
   #setSpreads(on: boolean): void {
     this.#spreads = on;
-    this.draw();
-  }
-
-  /** Let time pass for wet ink: as much as a frame has room for, and none where all is dry. */
-  #letPass(now: number): void {
-    const painting = this.#painting;
-    const since = now - this.#passedMs;
-    if (painting === null || !this.#spreads || painting.surface.water.isStill) {
-      this.#passedMs = now;
-      return;
-    }
-    this.draw(); // again, until it is dry
-    if (since < 1000.0 * PIECE_S) return;
-    this.#passedMs = Math.max(this.#passedMs + 1000.0 * PIECE_S, now - MOST_BEHIND_MS);
-    painting.followTime();
-    this.#changed.push(painting.surface.refresh());
-    if (painting.surface.water.isStill) this.#showState(); // all is dry
+    void this.#ask("setSpreads", on);
   }
 
   #showAll(): void {
@@ -568,70 +719,112 @@ class Page {
     this.#resize();
   }
 
-  /** Undo or redo; what is in hand is shown as it is then. */
-  #step(take: () => void): void {
+  #step(which: "undo" | "redo"): void {
     if (this.#pointer !== null || this.#writes) return; // a stroke goes on
     this.#tapped = null; // the text may be gone
-    this.#act(() => {
-      this.#paint(); // what was heard since the last frame
-      take();
-    });
-    this.#showInHand();
-    this.#showLayers();
-    this.#showTexts();
+    if (which === "undo") element<HTMLButtonElement>("redo").disabled = false; // before it is told
+    void this.#ask(which);
   }
 
   /** Show the brush and the ink that the painter has. */
   #showInHand(): void {
-    const { painting, studio } = this.#opened();
-    const { brushes, inks } = studio.contents;
-    this.#brush = painting.painter.brush.name;
-    this.#ink = inkOf(studio.contents, painting.dipped)?.name ?? this.#ink;
+    const [contents, { state }] = [this.#contents, this.#inHand()];
+    if (contents === null) return;
+    const { brushes, inks } = contents;
+    this.#brush = state.brush;
+    this.#ink = inkOf(contents, state.dipped)?.name ?? this.#ink;
     const chosen = { brush: [brushes, this.#brush], inks: [inks, this.#ink] } as const;
     for (const [id, [all, name]] of Object.entries(chosen))
       element<HTMLSelectElement>(id).selectedIndex = all.findIndex((one) => one.name === name);
     this.#showState();
   }
 
-  /** Keep in the browser what was done. */
-  #keep(): void {
-    if (!this.#inStroke) this.#keeper?.append(this.#painting?.takeNew() ?? "");
-  }
-
+  /** Whether the browser keeps all that was done. */
   get isKept(): boolean {
-    return this.#keeper?.isUpToDate === true;
+    return this.#nAsked === 0 && this.#keeper?.isUpToDate === true;
   }
 
-  /** Do something to the painting, and show it. */
-  #act(work: () => void): void {
-    try {
-      work();
-      this.#keep();
-      this.#refresh();
-    } catch (cause) {
-      this.fail(cause);
+  // -- a 3-D mouse ----------------------------------------------------------------------------
+
+  #mouseText(): string {
+    return this.#mouse === null ? say("connect") : say("disconnect", { name: this.#mouse.device.productName });
+  }
+
+  /** Connect a 3-D mouse that is chosen, or let go of the one that is. */
+  #plug(): void {
+    const [hid, mouse] = [hidOf(), this.#mouse];
+    if (hid === null) return;
+    if (mouse !== null) {
+      this.#mouse = null;
+      this.showBar();
+      void mouse.stop();
+      return;
     }
+    SpaceMouse.choose(hid).then(
+      (device) => (device === null ? undefined : this.#take(device)),
+      (cause: unknown) => this.fail(cause),
+    );
   }
 
-  #refresh(): void {
-    const { painting } = this.#opened();
-    this.#changed.push(painting.surface.refresh());
-    this.#showState();
-    this.draw();
+  async #take(device: HidDevice): Promise<void> {
+    try {
+      const moved = (): void => {
+        if (!this.#isSteered) this.#steeredMs = performance.now();
+        this.draw();
+      };
+      const mouse = new SpaceMouse(device, moved, (buttons) => this.#press3d(buttons));
+      await mouse.start();
+      this.#mouse = mouse;
+    } catch (cause) {
+      const said = cause instanceof Error ? cause.message : String(cause);
+      this.#notice(say("mouseRefused", { name: device.productName, cause: said }));
+    }
+    this.showBar();
   }
 
-  #opened(): { studio: Studio; painting: Document; camera: Camera; hand: Hand } {
-    const [studio, painting, camera, hand] = [this.#studio, this.#painting, this.#camera, this.#hand];
-    if (studio === null || painting === null || camera === null || hand === null)
-      throw new Error("nothing is open");
-    return { studio, painting, camera, hand };
+  /** Take a mouse that was allowed before, and hear of one that goes. */
+  async findMouse(): Promise<void> {
+    const hid = hidOf();
+    if (hid === null) return;
+    hid.addEventListener("disconnect", (event) => {
+      if ((event as Event & { device: HidDevice }).device !== this.#mouse?.device) return;
+      this.#mouse = null;
+      this.showBar();
+    });
+    const isMouse = ({ collections }: HidDevice): boolean =>
+      collections.some(({ usagePage, usage }) => usagePage === MULTI_AXIS.usagePage && usage === MULTI_AXIS.usage);
+    const known = (await hid.getDevices()).find(isMouse);
+    if (known !== undefined) await this.#take(known);
+  }
+
+  #press3d(buttons: number): void {
+    if (this.#opened === null || this.#writes) return;
+    if (buttons & RECENTRE) this.#showAll();
+    if (buttons & DIP) void this.#ask("dip", this.#ink);
+    if (buttons & UNDO) this.#step("undo");
+    if (buttons & REDO) this.#step("redo");
+  }
+
+  /** Let the object move and turn as the cap is deflected. */
+  #steer(now: number): void {
+    const seconds = Math.min(now - this.#steeredMs, 100.0) * 1e-3;
+    this.#steeredMs = now;
+    const rates = this.#mouse?.deflectionAt(now) ?? null;
+    this.#isSteered = rates !== null;
+    if (rates === null || this.#camera === null) return;
+    this.#isMoved = true;
+    const [x, y, z, rx, ry, rz] = rates;
+    this.#camera.steer(times([x, y, z], SPEED_MM_S * seconds), times([rx, ry, rz], TURN_RAD_S * seconds));
+    this.draw(); // again, until it rests
   }
 
   // -- files ----------------------------------------------------------------------------------
 
   /** Save what is seen, as PNG. */
   async savePicture(): Promise<void> {
-    const { camera } = this.#opened();
+    const camera = this.#camera;
+    if (camera === null) return;
+    await this.shown();
     this.#stage.draw(camera, false);
     const seen = document.createElement("canvas");
     Object.assign(seen, { width: this.#canvas.width, height: this.#canvas.height });
@@ -645,34 +838,36 @@ class Page {
   }
 
   /** Save what was done, for `paint3d replay`. */
-  saveScore(): void {
-    const text = this.score();
+  async saveScore(): Promise<void> {
+    const text = await this.score();
     save(new Blob([text], { type: "application/jsonl" }), `${this.#name()}.score.jsonl`);
   }
 
-  score(): string {
-    return this.#opened().painting.score();
+  async #saveObject(kind: "glb" | "ply"): Promise<void> {
+    const name = this.#name();
+    const blob = await (kind === "glb" ? this.#ask("glb", name) : this.#ask("ply"));
+    if (blob !== undefined) save(blob, `${name}.${kind}`);
   }
 
-  /** The SHA-256 of the colours and of the amounts, as the tests compare them. */
+  score(): Promise<string> {
+    return this.#inHand().engine.call("score");
+  }
+
+  /** Wait until all that was asked is done and shown. */
+  async shown(): Promise<void> {
+    await this.#inHand().engine.call("show");
+    this.#drawNow(performance.now()); // a page that is not looked at gets no frames
+  }
+
+  /** The SHA-256 of the colours and of the amounts, as they are shown then. */
   async hashes(): Promise<Record<string, string | number>> {
-    const { surface } = this.#opened().painting;
-    surface.refresh();
-    const n = surface.nVertices;
-    const sha = async (bytes: Uint8Array): Promise<string> => {
-      const digest = await crypto.subtle.digest("SHA-256", bytes.slice());
-      return [...new Uint8Array(digest)].map((b) => b.toString(16).padStart(2, "0")).join("");
-    };
-    return {
-      vertices: n,
-      srgb: await sha(surface.codes.bytes.subarray(0, 3 * n)),
-      amounts: await sha(surface.ink.amounts.bytes.subarray(0, 4 * n * surface.pigments.length)),
-    };
+    await this.shown();
+    return this.#inHand().engine.call("hashes");
   }
 
   #name(): string {
     const when = new Date().toISOString().slice(0, 19).replace(/[:T]/g, "-");
-    return `${this.#opened().painting.about.name}-${when}`;
+    return `${this.#inHand().about.name.replace(/\.\w+$/, "")}-${when}`;
   }
 
   // -- the picture ----------------------------------------------------------------------------
@@ -705,22 +900,31 @@ class Page {
     return [x(all.left), x(right), y(bottom), y(top)];
   }
 
-  /** Ask for a frame: paint what was heard, and draw. */
+  /** Ask for a frame. */
   draw(): void {
     if (this.#drawn) return;
     this.#drawn = true;
     requestAnimationFrame((now) => {
       this.#drawn = false;
-      if (this.#camera === null) return;
-      try {
-        this.#paint();
-        this.#letPass(now);
-        for (const ids of this.#changed.splice(0)) this.#stage.follow(ids);
-        this.#stage.draw(this.#camera);
-      } catch (cause) {
-        this.fail(cause);
-      }
+      this.#drawNow(now);
     });
+  }
+
+  #drawNow(now: number): void {
+    if (this.#camera === null) return;
+    try {
+      this.#steer(now);
+      const changes = this.#changes.splice(0);
+      for (const change of changes) this.#stage.follow(change);
+      this.#stage.draw(this.#camera);
+      if (changes.length > 0) {
+        this.#opened?.engine.seen();
+        this.#ahead.shown(this.#heardMs);
+      }
+      this.#ahead.draw();
+    } catch (cause) {
+      this.fail(cause);
+    }
   }
 
   // -- the hand -------------------------------------------------------------------------------
@@ -728,8 +932,9 @@ class Page {
   #listen(): void {
     const canvas = this.#canvas;
     const heard = (work: (event: PointerEvent) => void) => (event: PointerEvent) => {
-      if (this.#painting === null) return;
+      if (this.#opened === null) return;
       event.preventDefault();
+      if (event.type === "pointerdown" && !this.#message.hidden) return; // another piece is being opened
       try {
         work(event);
       } catch (cause) {
@@ -751,43 +956,82 @@ class Page {
     canvas.addEventListener("wheel", wheel, { passive: false });
     element("veil").addEventListener("pointerdown", () => this.#panel.show(null));
     addEventListener("keydown", (event) => {
-      const painting = this.#painting;
       const { target } = event;
       const isWritten = target instanceof HTMLTextAreaElement || (target instanceof HTMLInputElement && target.type === "text");
-      if (painting === null || event.isComposing) return;
-      if (event.key === "Escape") this.#panel.show(null);
-      if (isWritten || (!event.ctrlKey && !event.metaKey)) return;
+      if (this.#opened === null || event.isComposing) return;
+      if (event.key === "Escape") {
+        if (this.#pointer !== null) return this.#takeBack();
+        this.#panel.show(null);
+      }
+      if (isWritten) return;
+      if (!event.ctrlKey && !event.metaKey) {
+        const isControl = target instanceof HTMLSelectElement || target instanceof HTMLInputElement;
+        if (!event.altKey && !isControl && !this.#writes && this.#obey(event)) event.preventDefault();
+        return;
+      }
       const letter = event.key.toLowerCase(); // also where capitals are locked
       const key = event.shiftKey ? `Shift+${letter}` : letter;
-      const take = { z: painting.undo, y: painting.redo, "Shift+z": painting.redo }[key];
-      if (take === undefined) return;
+      const step = ({ z: "undo", y: "redo", "Shift+z": "redo" } as const)[key];
+      if (step === undefined) return;
       event.preventDefault();
-      this.#step(() => take.call(painting));
+      this.#step(step);
     });
     addEventListener("dragover", (event) => event.preventDefault());
     addEventListener("drop", (event) => {
       event.preventDefault();
       const file = event.dataTransfer?.files[0];
-      if (file === undefined || this.#painting === null || this.#writes) return;
-      if (MESH.test(file.name)) this.#notice(say("ownObject", { name: file.name }));
-      else this.#load(file).catch((cause: unknown) => this.fail(cause));
+      if (file === undefined || this.#opened === null || this.#writes) return;
+      this.#openFile(file);
     });
-    addEventListener("visibilitychange", () => this.#keep());
+    document.addEventListener("visibilitychange", () => {
+      if (this.#opened !== null) void this.#ask("setShown", !document.hidden);
+    });
     addEventListener("beforeunload", (event) => {
-      this.#keep();
-      if (this.#painting?.isPainted === true && !this.isKept) event.preventDefault();
+      if (this.#isPainted && this.#keeper?.isSound !== true) event.preventDefault();
     });
+  }
+
+  /** Do what a key stands for, as in the window; whether it stands for anything. */
+  #obey({ key, shiftKey }: KeyboardEvent): boolean {
+    const [camera, height] = [this.#camera, this.#canvas.clientHeight];
+    const seen = (move: (camera: Camera) => void) => (): void => {
+      if (camera === null) return;
+      this.#isMoved = true;
+      move(camera);
+      this.draw();
+    };
+    const along = (x: number, y: number): (() => void) =>
+      seen((one) => (shiftKey ? one.pan(STEP_PX * x, STEP_PX * y, height) : one.turn(STEP_PX * x, STEP_PX * y)));
+    const zoom = (factor: number): (() => void) =>
+      seen((one) => one.zoom(factor, ...one.centre, this.#aspect()));
+    const brush = this.#contents?.brushes["1234567890".indexOf(key)];
+    const act = {
+      d: () => void this.#ask("dip", this.#ink),
+      e: () => this.#setErases(!this.#erases),
+      W: () => void this.#ask("dry"),
+      Home: () => this.#showAll(),
+      "+": zoom(KEY_ZOOM), "=": zoom(KEY_ZOOM), "-": zoom(1.0 / KEY_ZOOM),
+      ArrowLeft: along(-1, 0), ArrowRight: along(1, 0), ArrowUp: along(0, -1), ArrowDown: along(0, 1),
+    }[key] ?? (brush === undefined ? undefined : () => this.#takeBrush(brush.name)); // prettier-ignore
+    act?.();
+    return act !== undefined;
   }
 
   #down(event: PointerEvent): void {
     this.#canvas.setPointerCapture(event.pointerId);
-    if (event.pointerType === "pen") this.#penAt = event.timeStamp;
+    if (event.pointerType === "pen") this.#meetPen(event);
     if (event.pointerType === "touch") {
       if (event.timeStamp - this.#penAt < PALM_MS || this.#strokeIsAPens()) return; // a palm
+      if (this.#touches.size === 0) this.#gesture = { beganMs: event.timeStamp, fingers: 0, way: 0.0 };
       this.#touches.set(event.pointerId, { x: event.clientX, y: event.clientY });
-      if (this.#touches.size > 1) return this.#takeBack();
+      this.#gesture.fingers = Math.max(this.#gesture.fingers, this.#touches.size);
+      if (this.#touches.size > 1) {
+        this.#forgetTouch();
+        return this.#takeBack();
+      }
     }
-    const turns = (event.button !== 0 && event.button !== ERASER_END) || event.altKey;
+    const isIdle = event.pointerType === "touch" && !this.#fingersPaint && this.#tapped === null;
+    const turns = (event.button !== 0 && event.button !== ERASER_END) || event.altKey || isIdle;
     if (turns) {
       const pans = event.button === 1 || event.shiftKey;
       this.#turning = { pointer: event.pointerId, pans, x: event.clientX, y: event.clientY };
@@ -798,8 +1042,56 @@ class Page {
       this.#tapping = event; // until it is up: a second finger may come, to turn
       return;
     }
-    this.#pointer = event.pointerId;
-    this.#hear(event);
+    if (event.pointerType !== "touch") return void this.#begin(event);
+    this.#alone = { down: event, moves: [], timer: setTimeout(() => this.#paintAlone(), SLIP_MS) };
+  }
+
+  /** A finger that came alone has stayed so, or gone on: it paints. */
+  #paintAlone(): void {
+    if (this.#alone === null) return;
+    const { down, moves, timer } = this.#alone;
+    clearTimeout(timer);
+    this.#alone = null;
+    void this.#begin(down);
+    for (const event of moves) this.#move(event);
+  }
+
+  /** What a finger has begun is nothing: another one has come, or a pen. */
+  #forgetTouch(): void {
+    clearTimeout(this.#alone?.timer);
+    this.#alone = null;
+    if (this.#turning !== null && this.#touches.has(this.#turning.pointer)) this.#turning = null;
+  }
+
+  /** A pen is there: what a hand has touched meanwhile is its palm, and fingers do not paint any more. */
+  #meetPen(event: PointerEvent): void {
+    this.#penAt = event.timeStamp;
+    if (this.#pointer !== null && this.#touches.has(this.#pointer)) this.#takeBack();
+    this.#forgetTouch();
+    this.#touches.clear();
+    if (this.#isPenKnown) return;
+    this.#isPenKnown = true;
+    this.#setFingersPaint(false);
+  }
+
+  #setFingersPaint(on: boolean): void {
+    this.#fingersPaint = on;
+    const shown = document.getElementById("fingers") as HTMLInputElement | null;
+    if (shown !== null) shown.checked = on;
+  }
+
+  /** Begin a stroke, unless the pointer is beside the object, which it then turns. */
+  async #begin(event: PointerEvent): Promise<void> {
+    const { pointerId: pointer, clientX: x, clientY: y } = event;
+    this.#pointer = pointer;
+    const number = ++this.#nBegun;
+    this.#ahead.end();
+    const erases = this.#erases || event.button === ERASER_END;
+    const came = await this.#ask("down", this.#inputOf(event), erases, this.#dipAlways && !erases ? this.#ink : null);
+    if (came === "paints" || number !== this.#nBegun || this.#pointer === null) return; // or it is up again
+    this.#pointer = null;
+    if (came === "hidden") this.#notice(say("isHidden"));
+    else if (came === "beside") this.#turning = { pointer, pans: false, x, y };
   }
 
   #strokeIsAPens(): boolean {
@@ -810,23 +1102,36 @@ class Page {
   #takeBack(): void {
     this.#tapping = null;
     if (this.#pointer === null) return;
-    const pointer = this.#pointer;
     this.#pointer = null;
-    this.#events = this.#events.filter((event) => event.pointerId !== pointer);
-    if (!this.#inStroke) return;
-    this.#inStroke = false;
-    const { painting, hand } = this.#opened();
-    painting.advance(hand.end(painting.lastNs, painting.painter.brush));
-    painting.endStroke();
-    painting.undo();
-    this.#refresh();
+    void this.#end(this.#ask("takeBack"));
+  }
+
+  async #end(ended: Promise<unknown>): Promise<void> {
+    const number = this.#nBegun;
+    await ended;
+    if (number !== this.#nBegun) return; // another stroke is begun
+    this.#ahead.end();
+    this.draw();
   }
 
   #move(event: PointerEvent): void {
-    if (event.pointerType === "pen") this.#penAt = event.timeStamp;
-    if (this.#pointer === event.pointerId) return this.#hear(event);
+    if (event.pointerType === "pen") this.#meetPen(event);
+    if (this.#alone?.down.pointerId === event.pointerId) {
+      const { down, moves } = this.#alone;
+      moves.push(event);
+      if (Math.hypot(event.clientX - down.clientX, event.clientY - down.clientY) > SLIP_PX) this.#paintAlone();
+      return;
+    }
+    if (this.#pointer === event.pointerId) {
+      const all = event.getCoalescedEvents?.() ?? []; // Safari before 18, and hosts without TLS, have none
+      const heard = all.length > 0 ? all : [event];
+      void this.#ask("move", heard.map((one) => this.#inputOf(one)));
+      this.#ahead.follow(heard, event.getPredictedEvents?.() ?? []);
+      this.draw();
+      return;
+    }
     const touch = this.#touches.get(event.pointerId);
-    if (touch !== undefined && this.#touches.size === 2) {
+    if (touch !== undefined && this.#touches.size > 1) {
       this.#pinch(touch, event);
       return;
     }
@@ -840,27 +1145,46 @@ class Page {
     this.draw();
   }
 
-  /** Two fingers: apart, nearer; both along, turn. */
+  /** Two fingers: apart, nearer; both along, turn. A sheet is moved rather than turned; three do the other. */
   #pinch(touch: { x: number; y: number }, event: PointerEvent): void {
+    const n = this.#touches.size;
     const [a, b] = [...this.#touches.values()];
     const apart = (): number => Math.max(10, Math.hypot(a.x - b.x, a.y - b.y));
     const before = apart();
-    const [x, y] = [event.clientX - touch.x, event.clientY - touch.y];
+    const [x, y] = [(event.clientX - touch.x) / n, (event.clientY - touch.y) / n];
+    this.#gesture.way = Math.max(this.#gesture.way, n * Math.hypot(x, y));
+    if (this.#gesture.way < TAP_PX && event.timeStamp - this.#gesture.beganMs < TAP_MS) return; // it may be a tap
     Object.assign(touch, { x: event.clientX, y: event.clientY });
-    const at = this.#placeOf({ clientX: 0.5 * (a.x + b.x), clientY: 0.5 * (a.y + b.y) });
     this.#isMoved = true;
-    this.#camera?.zoom(apart() / before, at[0], at[1], this.#aspect());
-    this.#camera?.turn(0.5 * x, 0.5 * y);
+    if (n === 2) {
+      const at = this.#placeOf({ clientX: 0.5 * (a.x + b.x), clientY: 0.5 * (a.y + b.y) });
+      this.#camera?.zoom(apart() / before, at[0], at[1], this.#aspect());
+    }
+    if ((n === 2) === this.#stage.flat) this.#camera?.pan(x, y, this.#canvas.clientHeight);
+    else this.#camera?.turn(x, y);
     this.draw();
   }
 
   #up(event: PointerEvent): void {
-    this.#touches.delete(event.pointerId);
+    if (this.#alone?.down.pointerId === event.pointerId) {
+      if (event.type === "pointercancel") this.#forgetTouch();
+      else this.#paintAlone();
+    }
+    if (this.#touches.delete(event.pointerId) && this.#touches.size === 0) this.#tapFingers(event);
     if (this.#turning?.pointer === event.pointerId) this.#turning = null;
     if (this.#tapping?.pointerId === event.pointerId) this.#tap(this.#tapping, event);
     if (this.#pointer !== event.pointerId) return;
     this.#pointer = null;
-    this.#hear(event);
+    void this.#end(this.#ask("up", timeOf(event)));
+    element<HTMLButtonElement>("undo").disabled = false; // before it is told: who is quick is heard
+  }
+
+  /** Fingers that came and went at once: two take back, three do again. */
+  #tapFingers({ type, timeStamp }: PointerEvent): void {
+    const { beganMs, fingers, way } = this.#gesture;
+    if (type === "pointercancel" || way >= TAP_PX || timeStamp - beganMs >= TAP_MS) return;
+    if (fingers === 2) this.#step("undo");
+    if (fingers === 3) this.#step("redo");
   }
 
   /** What came down in one place has gone up: do what waits for it, unless it went elsewhere. */
@@ -872,73 +1196,13 @@ class Page {
     then(down);
   }
 
-  #hear(event: PointerEvent): void {
-    this.#events.push(event);
-    this.draw();
-  }
-
-  /** Paint what was heard since the last frame. */
-  #paint(): void {
-    const events = this.#events.splice(0);
-    if (events.length === 0) return;
-    const { painting, hand, studio } = this.#opened();
-    const { painter } = painting;
-    for (const event of events) {
-      if (event.type === "pointerdown") {
-        const input = this.#inputOf(event);
-        const erases = this.#erases || event.button === ERASER_END;
-        if (this.#dipAlways && !erases) painting.dip(studio, this.#ink);
-        const samples = hand.begin(input, painter.brush);
-        const { layers } = painting;
-        if (!layers.layers[layers.active].visible) {
-          hand.end(painting.lastNs, painter.brush);
-          this.#pointer = null;
-          this.#notice(say("isHidden"));
-          continue;
-        }
-        if (samples === null) {
-          this.#turnBeside(event);
-          continue;
-        }
-        painting.beginStroke(erases);
-        this.#inStroke = true;
-        painting.advance(samples);
-      } else if (!this.#inStroke) continue;
-      else if (event.type === "pointermove") {
-        const all = event.getCoalescedEvents();
-        for (const one of all.length > 0 ? all : [event])
-          painting.advance(hand.move(this.#inputOf(one), painter.brush));
-      } else {
-        painting.advance(hand.end(this.#timeOf(event), painter.brush));
-        painting.endStroke();
-        this.#inStroke = false;
-        this.#keep();
-      }
-    }
-    this.#changed.push(painting.surface.refresh());
-    this.#showState();
-  }
-
-  /** Who comes down beside the object turns it. */
-  #turnBeside(event: PointerEvent): void {
-    if (this.#pointer !== event.pointerId) return; // it is up again
-    this.#pointer = null;
-    const { clientX: x, clientY: y, pointerId: pointer } = event;
-    this.#turning = { pointer, pans: false, x, y };
-  }
-
-  #timeOf(event: PointerEvent): bigint {
-    const time = BigInt(Math.round(event.timeStamp * 1e6));
-    const least = (this.#painting?.lastNs ?? 0n) + 2_000_000n;
-    return event.type === "pointerdown" && time < least ? least : time;
-  }
-
   #inputOf(event: PointerEvent): PointerInput {
-    const { camera } = this.#opened();
+    const camera = this.#camera;
+    if (camera === null) throw new Error("nothing is open");
     const [x, y] = this.#placeOf(event);
     const [right, up] = camera.axes;
     return {
-      timeNs: this.#timeOf(event),
+      timeNs: timeOf(event),
       origin: camera.eye,
       direction: camera.ray(x, y, this.#aspect()) as Vector,
       right,
@@ -959,6 +1223,11 @@ class Page {
   }
 }
 
+/** When something came, ns. */
+function timeOf(event: PointerEvent): bigint {
+  return BigInt(Math.round(event.timeStamp * 1e6));
+}
+
 /** What a recording of a page says first; null where it is none. */
 function headOf(text: string): Record<string, unknown> | null {
   try {
@@ -974,10 +1243,20 @@ function inkOf(contents: Contents, parts: unknown): Contents["inks"][number] | u
   return contents.inks.find((one) => JSON.stringify(one.parts) === JSON.stringify(parts));
 }
 
-/** Say something in place of the picture. */
-function showMessage(text: string): void {
+/** Say something in place of the picture; what goes on meanwhile may be cancelled. */
+function showMessage(text: string, cancel?: () => void): void {
   const message = element("message");
+  const words = message.firstElementChild;
+  if (words !== null && cancel !== undefined && !message.hidden) {
+    words.textContent = text; // the button stays the same, so that a press of it is not lost
+    return;
+  }
   message.textContent = text;
+  if (cancel !== undefined) {
+    const said = document.createElement("p");
+    said.textContent = text;
+    message.replaceChildren(said, button("cancel", say("cancel"), cancel));
+  }
   message.classList.add("said");
   message.hidden = false;
 }
@@ -997,6 +1276,7 @@ function start(): void {
   }
   Object.assign(window, { paint3d: page });
   page.begin().catch((cause: unknown) => page.fail(cause));
+  page.findMouse().catch((cause: unknown) => console.warn("no 3-D mouse:", cause));
 }
 
 start();

@@ -1,12 +1,8 @@
 /** The picture of the object, by WebGL 2, kept in step with the painting. */
 
-import type { NDArray } from "../core/arrays";
 import type { Vector } from "../core/quaternion";
 import type { Camera } from "./camera";
-import type { Guides } from "./copybook";
-import type { Document } from "./document";
-
-const AXES = ["px", "py", "pz", "nx", "ny", "nz"] as const;
+import { AXES, type PictureChange } from "./picture_feed";
 
 // The sky is white above, greyer at the horizon, and the table below throws a little light back. A
 // lamp to the upper left gives the form; what a glaze mirrors of both is added.
@@ -103,21 +99,25 @@ export class StageError extends Error {
   override name = "StageError";
 }
 
+/** Lines to be shown, their points in pairs, mm. */
+export interface Lines {
+  outlines: Float32Array;
+  grid: Float32Array;
+}
+
 export class Stage {
   readonly #gl: WebGL2RenderingContext;
-  readonly #program: WebGLProgram;
-  readonly #ground: WebGLProgram;
-  readonly #lines: WebGLProgram;
+  #program: WebGLProgram;
+  #ground: WebGLProgram;
+  #lines: WebGLProgram;
   #guides: { array: WebGLVertexArrayObject; buffer: WebGLBuffer; n: number; colour: readonly number[] }[] = [];
+  #guided: Lines = { outlines: new Float32Array(), grid: new Float32Array() };
   #buffers: Record<string, WebGLBuffer> = {};
   #array: WebGLVertexArrayObject | null = null;
   #groundArray: WebGLVertexArrayObject | null = null;
   #capacity = 0;
-  #known = 0; // vertices that were sent
-  #nodes = -1;
   #corners = 0;
-  #openness = new Uint8Array();
-  #document: Document | null = null;
+  #roughness = 1.0;
   #foot: { middle: Vector; half: [number, number]; round: number; margin: number; depth: number } =
     { middle: [0, 0, 0], half: [1, 1], round: 1, margin: 1, depth: 0 }; // prettier-ignore
   flat = false;
@@ -128,29 +128,43 @@ export class Stage {
     }); // prettier-ignore
     if (gl === null) throw new StageError("WebGL 2");
     this.#gl = gl;
-    this.#program = linked(gl, VERTEX, FRAGMENT);
-    this.#ground = linked(gl, GROUND_VERTEX, GROUND_FRAGMENT);
-    this.#lines = linked(gl, LINE_VERTEX, LINE_FRAGMENT);
+    [this.#program, this.#ground, this.#lines] = this.#link();
   }
 
-  /** Show another painting. */
-  open(document: Document, flat: boolean): void {
+  #link(): WebGLProgram[] {
+    const gl = this.#gl;
+    return [
+      linked(gl, VERTEX, FRAGMENT), linked(gl, GROUND_VERTEX, GROUND_FRAGMENT), linked(gl, LINE_VERTEX, LINE_FRAGMENT),
+    ]; // prettier-ignore
+  }
+
+  /** Begin again after the browser has taken everything and given the context back; a whole picture has to come. */
+  restore(): void {
+    [this.#program, this.#ground, this.#lines] = this.#link();
+    this.#buffers = {};
+    this.#array = this.#groundArray = null;
+    this.#guides = [];
+    this.#capacity = this.#corners = 0;
+    this.guide(this.#guided);
+  }
+
+  /** Show another painting, of which a whole picture comes; `places`: x, y and z of its object's vertices. */
+  open(places: readonly Float32Array[], roughness: number, flat: boolean): void {
     const gl = this.#gl;
     for (const buffer of Object.values(this.#buffers)) gl.deleteBuffer(buffer);
     if (this.#array !== null) gl.deleteVertexArray(this.#array);
     this.#buffers = {};
     this.#array = null;
-    this.#capacity = this.#known = this.#corners = 0;
-    this.#nodes = -1;
-    this.#document = document;
+    this.#capacity = this.#corners = 0;
+    this.#roughness = roughness;
     this.flat = flat;
-    this.#place(document);
-    this.follow([]);
+    this.#place(places);
   }
 
   /** Show lines on the object in place of those before. */
-  guide(lines: Guides): void {
+  guide(lines: Lines): void {
     const gl = this.#gl;
+    this.#guided = lines;
     for (const { array, buffer } of this.#guides) {
       gl.deleteVertexArray(array);
       gl.deleteBuffer(buffer);
@@ -161,7 +175,7 @@ export class Stage {
       const buffer = gl.createBuffer();
       gl.bindVertexArray(array);
       gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
-      gl.bufferData(gl.ARRAY_BUFFER, new Float32Array(points), gl.STATIC_DRAW);
+      gl.bufferData(gl.ARRAY_BUFFER, points, gl.STATIC_DRAW);
       const place = gl.getAttribLocation(this.#lines, "place");
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, 3, gl.FLOAT, false, 0, 0);
@@ -170,11 +184,13 @@ export class Stage {
     });
   }
 
+  get guides(): Lines {
+    return this.#guided;
+  }
+
   /** Where it stands, and the shadow that it throws. */
-  #place(document: Document): void {
-    const mesh = document.surface.paintMesh;
-    const [x, y, z] = [mesh.arrays.px.data, mesh.arrays.py.data, mesh.arrays.pz.data];
-    const n = mesh.nBaseVertices;
+  #place([x, y, z]: readonly Float32Array[]): void {
+    const n = z.length;
     let bottom = Infinity;
     let top = -Infinity;
     for (let i = 0; i < n; i++) [bottom, top] = [Math.min(bottom, z[i]), Math.max(top, z[i])];
@@ -198,60 +214,24 @@ export class Stage {
     };
   }
 
-  /** Send what has changed: colours of these vertices, and all that came since. */
-  follow(changed: ArrayLike<number>): void {
-    const document = this.#document;
-    if (document === null) return;
+  /** Take up what has changed. */
+  follow({ capacity, first, axes, openness, low, codes, faces }: PictureChange): void {
     const gl = this.#gl;
-    const { paintMesh: mesh, codes } = document.surface;
-    const field = mesh.arrays;
-    if (mesh.capacity !== this.#capacity) this.#allocate(mesh.capacity);
-    const n = mesh.nVertices;
-    const first = this.#known;
-    if (n > first) {
-      for (const name of AXES) {
-        gl.bindBuffer(gl.ARRAY_BUFFER, this.#buffers[name]);
-        gl.bufferSubData(gl.ARRAY_BUFFER, 4 * first, field[name].data, first, n - first);
-      }
-      this.#letLightIn(document, first, n);
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.#buffers.openness);
-      gl.bufferSubData(gl.ARRAY_BUFFER, first, this.#openness, first, n - first);
-      this.#known = n;
-    }
-    let [low, high] = n > first ? [first, n] : [n, 0];
-    for (let k = 0; k < changed.length; k++) {
-      low = Math.min(low, changed[k]);
-      high = Math.max(high, changed[k] + 1);
-    }
-    if (high > low) {
-      gl.bindBuffer(gl.ARRAY_BUFFER, this.#buffers.colour);
-      gl.bufferSubData(gl.ARRAY_BUFFER, 3 * low, codes.data, 3 * low, 3 * (high - low));
-    }
-    const nodes = mesh.refines ? Number(field.counts.data[1]) : 0;
-    if (nodes !== this.#nodes) {
-      const faces = mesh.leafFaces();
-      gl.bindVertexArray(this.#array);
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#buffers.faces);
-      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.DYNAMIC_DRAW);
-      gl.bindVertexArray(null);
-      this.#nodes = nodes;
-      this.#corners = faces.length;
-    }
-  }
-
-  /** How open new vertices are: as the ends of the edges that they halve. */
-  #letLightIn(document: Document, first: number, last: number): void {
-    if (this.#openness.length < last) {
-      const larger = new Uint8Array(this.#capacity);
-      larger.set(this.#openness);
-      this.#openness = larger;
-    }
-    const parents = (document.surface.paintMesh.arrays.parents as NDArray<"i4">).data;
-    for (let id = first; id < last; id++)
-      this.#openness[id] =
-        id < document.openness.length
-          ? document.openness[id]
-          : (this.#openness[parents[2 * id]] + this.#openness[parents[2 * id + 1]]) >> 1;
+    if (first === 0) this.#allocate(capacity);
+    const write = (name: string, at: number, data: ArrayBufferView): void => {
+      if (data.byteLength === 0) return;
+      gl.bindBuffer(gl.ARRAY_BUFFER, this.#buffers[name]);
+      gl.bufferSubData(gl.ARRAY_BUFFER, at, data);
+    };
+    for (const [k, name] of AXES.entries()) write(name, 4 * first, axes[k]);
+    write("openness", first, openness);
+    write("colour", 3 * low, codes);
+    if (faces === null) return;
+    gl.bindVertexArray(this.#array);
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.#buffers.faces);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, faces, gl.DYNAMIC_DRAW);
+    gl.bindVertexArray(null);
+    this.#corners = faces.length;
   }
 
   #allocate(capacity: number): void {
@@ -274,8 +254,6 @@ export class Stage {
     attribute("openness", 1, gl.UNSIGNED_BYTE, 1);
     gl.bindVertexArray(null);
     this.#capacity = capacity;
-    this.#known = 0;
-    this.#nodes = -1;
   }
 
   /** Draw the picture as large as the canvas is shown. */
@@ -285,7 +263,7 @@ export class Stage {
     gl.viewport(0, 0, width, height);
     gl.clearColor(0, 0, 0, 0);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    if (this.#document === null) return;
+    if (this.#capacity === 0) return;
     const view = camera.matrix(width / height);
     this.#drawGround(view);
     gl.enable(gl.DEPTH_TEST);
@@ -295,7 +273,7 @@ export class Stage {
       gl.getUniformLocation(this.#program, name);
     gl.uniformMatrix4fv(at("view"), false, view);
     gl.uniform3fv(at("eye"), camera.eye);
-    gl.uniform1f(at("roughness"), this.#document.surface.material.seen_roughness);
+    gl.uniform1f(at("roughness"), this.#roughness);
     gl.uniform1f(at("flatness"), Number(this.flat));
     gl.bindVertexArray(this.#array);
     gl.drawElements(gl.TRIANGLES, this.#corners, gl.UNSIGNED_INT, 0);

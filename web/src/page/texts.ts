@@ -1,5 +1,7 @@
 /** What the page says, in English and in Chinese. */
 
+import { filled, type Note } from "../files/mesh_error";
+
 const ENGLISH = {
   title: "paint3d",
   object: "On",
@@ -9,6 +11,7 @@ const ENGLISH = {
   size: "{mm} mm",
   dip: "Dip",
   dipAlways: "Dip before every stroke",
+  fingersPaint: "Fingers paint",
   erase: "Erase",
   undo: "Undo",
   redo: "Redo",
@@ -18,7 +21,15 @@ const ENGLISH = {
   score: "Recording",
   load: "Open recording",
   notOpened: "{name} cannot be opened: {cause}.",
-  ownObject: "{name}: a page paints on the objects that it was built with. One with yours: paint3d page build studio --on {name}",
+  ownObject: "Your object",
+  reading: "{name} is being read: {percent} %",
+  cancel: "Cancel",
+  asTold: "as the file says",
+  unit: "File unit",
+  upAxis: "Up axis",
+  fineness: "Resolution",
+  told: "{name}: {notes}.",
+  ownFirst: "it was painted on {object}, a file of somebody's own: open that here first",
   noHead: "it is no recording of a page: its first line says no format",
   noObject: "it was painted on {object} at {mm} mm, which this page does not have",
   noInk: "its first ink, {ink}, is none of this page's",
@@ -84,9 +95,12 @@ const ENGLISH = {
   dry: "Dry now",
   keep: "Save",
   goOn: "Go on",
+  connect: "Connect a 3-D mouse",
+  disconnect: "Disconnect {name}",
+  mouseRefused: "{name} cannot be opened: {cause}",
   page: "Page",
   hint: "Paint with a pen or a mouse. Right button: turn. Wheel: nearer. Ctrl+Z: take back.",
-  hintTouch: "One finger or a pen paints. Two fingers turn the object and bring it nearer.",
+  hintTouch: "One finger or a pen paints. Two fingers turn the object, or move a sheet, and bring it nearer.",
   loading: "The studio is being loaded: {name}",
   repeating: "The piece is painted again: {percent} %",
   kept: "This browser keeps the piece; it is there again when you come back.",
@@ -94,7 +108,7 @@ const ENGLISH = {
   leave: "What is painted here is lost if it was not saved. Begin anew?",
   noWasm: "This browser does not run WebAssembly with vectors (SIMD), by which the brush is computed.\nA newer Chrome, Edge, Firefox or Safari (16.4 or later) does.",
   noWebGl: "This browser gives no WebGL 2, by which the object is shown.\nIt may be turned off in its settings, or the graphics driver is too old.",
-  noUnpacking: "This browser cannot unpack the studio's data (DecompressionStream).\nA newer Chrome, Edge, Firefox (113 or later) or Safari (16.4 or later) can.",
+  noUnpacking: "This browser cannot unpack the studio's data (DecompressionStream).\nA newer Chrome, Edge, Firefox (114 or later) or Safari (16.4 or later) can.",
   noFile: "{name} cannot be had from this host ({status}).\nIs the folder whole that “paint3d page build” wrote, and is it handed out by a web server, not opened as a file?",
   failed: "Painting has ended: {cause}\nThe recording of what was painted can still be saved.",
   noMemory: "This browser has no memory left for the painting.\nThe recording of what was painted can still be saved.",
@@ -111,6 +125,7 @@ const CHINESE: Texts = {
   size: "{mm} 毫米",
   dip: "蘸墨",
   dipAlways: "每笔先蘸",
+  fingersPaint: "手指作画",
   erase: "擦除",
   undo: "撤销",
   redo: "重做",
@@ -120,7 +135,15 @@ const CHINESE: Texts = {
   score: "存谱",
   load: "打开谱",
   notOpened: "无法打开 {name}：{cause}。",
-  ownObject: "{name}：网页只能在构建时选定的物体上作画。要用自己的物体，请运行 paint3d page build studio --on {name}",
+  ownObject: "自己的物体",
+  reading: "正在读取 {name}：{percent} %",
+  cancel: "取消",
+  asTold: "按文件所述",
+  unit: "文件单位",
+  upAxis: "朝上的轴",
+  fineness: "细度",
+  told: "{name}：{notes}。",
+  ownFirst: "它画在用户自己的文件 {object} 上，请先在此打开该文件",
   noHead: "不是此类页面的谱，首行没有格式说明",
   noObject: "它画在 {object}（{mm} 毫米）上，此页没有该物体",
   noInk: "它开头所用的墨 {ink}，此页没有",
@@ -186,9 +209,12 @@ const CHINESE: Texts = {
   dry: "立即变干",
   keep: "保存",
   goOn: "继续",
+  connect: "连接 3D 鼠标",
+  disconnect: "断开 {name}",
+  mouseRefused: "无法打开 {name}：{cause}",
   page: "页面",
   hint: "用压感笔或鼠标作画。右键旋转，滚轮缩放，Ctrl+Z 撤销。",
-  hintTouch: "单指或笔作画。双指旋转、捏合缩放。",
+  hintTouch: "单指或笔作画。双指旋转物体或移动纸张，捏合缩放。",
   loading: "正在载入画室：{name}",
   repeating: "正在重现作品：{percent} %",
   kept: "作品保存在此浏览器中，下次打开时仍在。",
@@ -196,7 +222,7 @@ const CHINESE: Texts = {
   leave: "未保存的作品将会丢失。要重新开始吗？",
   noWasm: "此浏览器不支持带向量（SIMD）的 WebAssembly，无法计算笔触。\n请使用较新的 Chrome、Edge、Firefox 或 Safari（16.4 以上）。",
   noWebGl: "此浏览器没有 WebGL 2，无法显示物体。\n可能已在设置中关闭，或显卡驱动过旧。",
-  noUnpacking: "此浏览器无法解压画室的数据（DecompressionStream）。\n请使用较新的 Chrome、Edge、Firefox（113 以上）或 Safari（16.4 以上）。",
+  noUnpacking: "此浏览器无法解压画室的数据（DecompressionStream）。\n请使用较新的 Chrome、Edge、Firefox（114 以上）或 Safari（16.4 以上）。",
   noFile: "无法从此主机取得 {name}（{status}）。\n“paint3d page build” 写出的文件夹是否完整？是否由网页服务器提供，而非直接打开文件？",
   failed: "作画已中断：{cause}\n已画部分的谱仍可保存。",
   noMemory: "浏览器内存不足。\n已画部分的谱仍可保存。",
@@ -225,4 +251,20 @@ export function say(key: keyof Texts, fields: Record<string, string | number> = 
 export function named(thing: { name: string; chinese: string }): string {
   if (spoken === "zh" && thing.chinese !== "") return thing.chinese;
   return thing.name;
+}
+
+// What the desktop's catalogue does not know of notes on files.
+const CHINESE_NOTES: Record<string, string> = {
+  "a page does not read {suffix}, the desktop does; expected one of {known}":
+    "网页不能读取 {suffix}（桌面版可以），可用的格式有 {known}",
+  "its structure is damaged: {cause}": "结构已损坏：{cause}",
+  "it has {n:,} triangles; a page takes {most:,} at most: Blender can decimate it":
+    "它有 {n:,} 个三角形，网页最多可用 {most:,} 个：可用 Blender 精简",
+};
+
+/** Notes on a file in the language that is spoken; `chinese`: the catalogue's. */
+export function sayNotes(notes: readonly Note[], chinese: Record<string, string>): string {
+  const translate = (text: string): string | undefined =>
+    spoken === "zh" ? (CHINESE_NOTES[text] ?? chinese[text]) : undefined;
+  return notes.map((note) => filled(note, translate)).join(spoken === "zh" ? "；" : "; ");
 }

@@ -13,11 +13,11 @@ export type Style = (typeof STYLES)[number];
 export const MOST_CHARACTERS = 4;
 
 const COLUMNS: Record<number, number[]> = { 1: [1], 2: [1, 1], 3: [1, 2], 4: [2, 2] };
-const [FRAME, ROUNDING] = [0.035, 0.05]; // of the side: width of the frame, its corners' radius
+const [FRAME, ROUNDING] = [0.045, 0.05]; // of the side: width of the frame, its corners' radius
 const MARGIN = { zhuwen: 0.085, baiwen: 0.075 };
 const GAP = 0.085;
-const LINE = { zhuwen: 0.12, baiwen: 0.165 };
-const [WIDEST, FINEST] = [0.085, 0.024];
+const LINE = { zhuwen: 0.15, baiwen: 0.165 };
+const [WIDEST, FINEST] = [0.105, 0.024];
 const DRAWN_OUT = 2.6;
 const LEAST_EXTENT = 0.45; // ems
 const SIMPLER = 5e-4; // of the side, that a corner may be cut off by

@@ -2,6 +2,7 @@
 
 import { NDArray } from "../core/arrays";
 import type { Kernels } from "../core/kernels";
+import { roundHalfToEven } from "../core/numbers";
 
 const FIRST_ROWS = 1024;
 const BANDS = 31;
@@ -120,7 +121,7 @@ export class DryLayers {
     const fade = (spectra: Uint16Array, ground: (band: number) => number): void => {
       for (let k = 0; k < BANDS; k++) {
         const shown = ground(k) + stays * (spectra[BANDS * row + k] - ground(k));
-        spectra[BANDS * row + k] = rounded(Math.min(Math.max(shown, 0.0), SPECTRUM_STEPS));
+        spectra[BANDS * row + k] = roundHalfToEven(Math.min(Math.max(shown, 0.0), SPECTRUM_STEPS));
       }
     };
     fade(this.spectra.data, (band) => bare[band]);
@@ -182,12 +183,4 @@ export function rowSum(row: ArrayLike<number>, round: (x: number) => number = (x
   }
   for (; k < n; k++) sum = round(sum + row[k]);
   return sum;
-}
-
-/** The nearest whole number, the even one of two. */
-export function rounded(x: number): number {
-  const low = Math.floor(x);
-  const over = x - low;
-  if (over !== 0.5) return over < 0.5 ? low : low + 1.0;
-  return low % 2.0 === 0.0 ? low : low + 1.0;
 }

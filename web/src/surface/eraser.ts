@@ -7,7 +7,6 @@ const ALL = Math.fround(0.98); // covered share from which nothing is left
 
 export class Eraser {
   #gone = new Float32Array(); // share of each vertex that has been erased
-  readonly #bare: Float64Array; // what the material reflects, in steps
 
   /** Erase during one stroke; wet paint dries first. */
   constructor(
@@ -15,7 +14,6 @@ export class Eraser {
     private readonly surface: PaintedSurface,
   ) {
     surface.dry();
-    this.#bare = surface.bareSteps;
   }
 
   /** Take off what lies where the brush has just been; how much ink is gone, coats x mm2. */
@@ -44,7 +42,7 @@ export class Eraser {
       const now = covered.get(id) ?? 0.0;
       const stays = Math.fround(Math.fround(1.0 - now) / Math.fround(1.0 - gone[id]));
       gone[id] = now;
-      lost.push(Number(units.data[id]) * unit * dry.fade(dry.rowOf(id), stays, this.#bare));
+      lost.push(Number(units.data[id]) * unit * dry.fade(dry.rowOf(id), stays, surface.bareSteps(id)));
     }
     if (less.length > 0) dry.changes++;
     surface.touch(less);

@@ -5,9 +5,10 @@
 
 import { NDArray } from "../core/arrays";
 import type { Kernels } from "../core/kernels";
-import { distinct, joined } from "./flow_graph";
+import { joined } from "../core/numbers";
+import { distinct } from "./flow_graph";
 import type { PaintedSurface } from "./painted_surface";
-import { capacityOf, clip, filmOf } from "./pores";
+import { capacityOf, clip, entryRatioOf, filmOf } from "./pores";
 import { FIRST_PACE, WET_COAT_MM, WetPatch, type KeptPatch } from "./wet_patch";
 
 const BUNDLE = 4000;
@@ -194,7 +195,7 @@ export class Flow {
   }
 
   #listed(...lists: Int32Array[]): NDArray<"i4"> {
-    return NDArray.of(this.kernels, "i4", joined(lists));
+    return NDArray.of(this.kernels, "i4", joined(lists, Int32Array));
   }
 
   /** Blocks in bundles of which none touches another, of so many nodes where there are. */
@@ -250,7 +251,10 @@ export class Flow {
     const { material } = patch.surface;
     const nodes = this.#listed(patch.graph.nodesOf(blocks));
     const rims = this.#listed(patch.graph.rimsOf(blocks));
-    const absorption = { capacity: capacityOf(material), film: filmOf(material), passing: material.passing };
+    const absorption = {
+      capacity: capacityOf(material), film: filmOf(material), passing: material.passing,
+      pores: material.pores_mm, entry_ratio: entryRatioOf(material),
+    };
     let stages: number;
     for (;;) {
       stages = kernels.call(
@@ -336,7 +340,7 @@ export class Water {
   /** Let time pass, or not until the water has caught up; whether it keeps up. */
   followTime(seconds: number): boolean {
     const flow = this.flow;
-    const fresh = joined([...(this.fresh ?? []), this.#dirty()]);
+    const fresh = joined([...(this.fresh ?? []), this.#dirty()], Int32Array);
     this.fresh = [];
     this.keepsUp = flow.follow(this.keepsUp ? seconds : 0.0, fresh);
     this.fresh.push(flow.waiting);
@@ -345,7 +349,7 @@ export class Water {
 
   keep(): KeptFlow | null {
     if (this.#flow === null) return null;
-    const fresh = joined([...(this.fresh ?? []), this.#dirty()]);
+    const fresh = joined([...(this.fresh ?? []), this.#dirty()], Int32Array);
     return { patch: this.#flow.patch.keep(), fresh: distinct(fresh) };
   }
 

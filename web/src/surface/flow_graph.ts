@@ -2,6 +2,7 @@
 
 import { NDArray, type Kind } from "../core/arrays";
 import type { Kernels } from "../core/kernels";
+import { joined } from "../core/numbers";
 import type { PaintMesh } from "../mesh/refined_mesh";
 
 const BLOCK_CELLS = 3; // along an axis
@@ -16,17 +17,6 @@ export function withRoom<K extends Kind>(array: NDArray<K>, n: number): NDArray<
 /** Distinct numbers, ascending. */
 export function distinct(values: Iterable<number>): Int32Array {
   return Int32Array.from(new Set(values)).sort();
-}
-
-/** Lists one after the other. */
-export function joined(lists: readonly Int32Array[]): Int32Array {
-  const all = new Int32Array(lists.reduce((n, list) => n + list.length, 0));
-  let n = 0;
-  for (const list of lists) {
-    all.set(list, n);
-    n += list.length;
-  }
-  return all;
 }
 
 /** The first place in ascending numbers at which one is not below a value. */
@@ -182,7 +172,7 @@ export class FlowGraph {
 
   #cellsIn(blocks: Int32Array): Int32Array {
     const runs = this.#cellRuns;
-    return joined(Array.from(blocks, (block) => this.#cells.subarray(runs[block], runs[block + 1])));
+    return joined(Array.from(blocks, (block) => this.#cells.subarray(runs[block], runs[block + 1])), Int32Array);
   }
 
   blocksAround(blocks: Int32Array): Int32Array {
@@ -219,7 +209,7 @@ export class FlowGraph {
 
   /** The nodes beside open blocks; one may occur twice. */
   rimsOf(blocks: Int32Array): Int32Array {
-    return joined(Array.from(blocks, (block) => this.#rims.get(block) ?? new Int32Array(0)));
+    return joined(Array.from(blocks, (block) => this.#rims.get(block) ?? new Int32Array(0)), Int32Array);
   }
 
   // -- growth -------------------------------------------------------------------------------

@@ -6,7 +6,8 @@
 import { NDArray } from "../core/arrays";
 import type { Kernels } from "../core/kernels";
 import type { GlazeModel } from "../colour/glazing";
-import { DryLayers, rounded, SPECTRUM_STEPS, widened, type KeptRows } from "./dry_layers";
+import { roundHalfToEven } from "../core/numbers";
+import { DryLayers, SPECTRUM_STEPS, widened, type KeptRows } from "./dry_layers";
 import type { KeptFlow } from "./flow";
 import { distinct } from "./flow_graph";
 import type { PaintedSurface } from "./painted_surface";
@@ -113,7 +114,7 @@ export class LayerStack {
     this.#keys.splice(to, 0, key);
   }
 
-  describe(place: number, changes: Partial<Layer>): void {
+  setProperties(place: number, changes: Partial<Layer>): void {
     const key = this.#keys[place];
     this.#about.set(key, { ...this.#said(key), ...changes });
   }
@@ -215,8 +216,7 @@ export class LayerStack {
       const ids = vertexIds.slice(start, start + AT_ONCE);
       const n = ids.length;
       const spectra = kernels.zeros("u2", n, BANDS);
-      const bare = surface.bareSteps;
-      for (let k = 0; k < n; k++) spectra.data.set(bare, BANDS * k);
+      for (let k = 0; k < n; k++) spectra.data.set(surface.bareSteps(ids[k]), BANDS * k);
       for (const key of this.#keys) if (this.#said(key).visible) this.#layOver(glaze, key, ids, spectra);
       const every = NDArray.of(kernels, "i4", ids.map((_, k) => k));
       const [noInk, none] = [kernels.zeros("f4", n, count), kernels.zeros("f4", n)];
@@ -237,7 +237,7 @@ export class LayerStack {
     const shown = spectra.data;
     for (let k = 0; k < below.length; k++) {
       const above = blend === "multiply" ? shown[k] * (below[k] / SPECTRUM_STEPS) : shown[k];
-      shown[k] = rounded(below[k] + opacity * (above - below[k]));
+      shown[k] = roundHalfToEven(below[k] + opacity * (above - below[k]));
     }
   }
 

@@ -9,12 +9,13 @@ import type { Argument, Kernels } from "../core/kernels";
 import type { Material, Pigment } from "../colour/materials";
 import { GlazeModel } from "../colour/glazing";
 import { ColourModel } from "../colour/vertex_colours";
-import { PaintMesh, readTree, type ContactTree, type ObjectWords } from "../mesh/refined_mesh";
+import type { ContactTree, ObjectWords, PaintMesh } from "../mesh/refined_mesh";
 import type { Ground, Studio } from "../studio";
 import { DryLayers, type KeptRows } from "./dry_layers";
 import { Water, type KeptFlow } from "./flow";
 import { FlowGraph } from "./flow_graph";
 import { LayerStack, type KeptStack } from "./layer_stack";
+import { MeshColours } from "./mesh_colours";
 
 export interface InkField {
   [name: string]: Argument;
@@ -51,8 +52,6 @@ export interface Snapshot extends BrushLoad {
 }
 
 export class PaintedSurface {
-  readonly paintMesh: PaintMesh;
-  readonly contactTree: ContactTree;
   readonly pigments: Pigment[] = [];
   readonly material: Material;
   ink: InkField;
@@ -60,6 +59,8 @@ export class PaintedSurface {
   dryLayers: DryLayers;
   layers: LayerStack | null = null;
   readonly water: Water;
+  readonly #own: MeshColours | null; // that the object came with
+  readonly #bareSteps: Float64Array;
   #flowGraph: FlowGraph | null = null;
   #colours: ColourModel | null = null;
   #glaze: GlazeModel | null = null;
@@ -70,14 +71,23 @@ export class PaintedSurface {
     private readonly studio: Studio,
     readonly object: Bundle<ObjectWords>,
     private readonly ground: Ground,
+    readonly paintMesh: PaintMesh,
+    readonly contactTree: ContactTree,
   ) {
     this.material = ground.material;
-    this.paintMesh = new PaintMesh(kernels, object);
     this.paintMesh.layPaper(Math.sqrt(2.0 * this.material.grain));
-    this.contactTree = readTree(kernels, object, "contact");
     const capacity = this.paintMesh.capacity;
     this.codes = kernels.zeros("u1", capacity, 3);
     this.#fillBare(0);
+    this.#bareSteps = Float64Array.from(this.reflectance, (r) =>
+      Math.trunc(Math.fround(Math.fround(Math.min(Math.max(r, 0.0), 1.0) * 65535.0) + 0.5)),
+    );
+    this.#own = null;
+    if (object.has("colours")) {
+      const own = object.numbers("colours", "u1");
+      this.codes.data.set(own);
+      this.#own = new MeshColours(kernels, own, studio.decodedCodes, capacity);
+    }
     this.dryLayers = new DryLayers(kernels);
     this.water = new Water(kernels, this, studio.fibreFrames);
     const transfer = kernels.records("brush_engine.ink_transfer.TRANSFER");
@@ -131,11 +141,9 @@ export class PaintedSurface {
     return ids;
   }
 
-  /** What the bare surface reflects: 31 bands, in steps of 1/65535. */
-  get bareSteps(): Float64Array {
-    return Float64Array.from(this.reflectance, (r) =>
-      Math.trunc(Math.fround(Math.fround(Math.min(Math.max(r, 0.0), 1.0) * 65535.0) + 0.5)),
-    );
+  /** What a vertex reflects where it is bare: 31 bands, in steps of 1/65535. */
+  bareSteps(id: number): Float64Array {
+    return this.#own?.steps(id, this.studio.colourTables.primaries) ?? this.#bareSteps;
   }
 
   /** What the material reflects, as measured: 31 bands. */
@@ -160,6 +168,7 @@ export class PaintedSurface {
     const capacity = this.paintMesh.capacity;
     this.codes = this.codes.grown(n, capacity);
     this.#fillBare(n);
+    this.#own?.fit(capacity);
     const ink = this.ink;
     ink.amounts = ink.amounts.grown(n, capacity);
     ink.coverage = ink.coverage.grown(n, capacity);
@@ -211,6 +220,7 @@ export class PaintedSurface {
 
   /** Bring colours up to date; the vertices that may have changed. */
   refresh(): Int32Array {
+    this.#knowVertices();
     const { n_dirty, dirty, dirty_ids } = this.ink;
     const fresh = dirty_ids.data.slice(0, Number(n_dirty.data[0]));
     const [colours, glaze] = [this.#colours, this.#glaze];
@@ -237,11 +247,18 @@ export class PaintedSurface {
     return seen;
   }
 
+  /** Interpolate the object's own colours at vertices that were added since. */
+  #knowVertices(): void {
+    const { arrays, nVertices } = this.paintMesh;
+    this.#own?.know(arrays.parents as NDArray<"i4">, nVertices, this.codes);
+  }
+
   #colourAsOne(colours: ColourModel, glaze: GlazeModel, seen: Int32Array): void {
     const { amounts, coverage } = this.ink;
     const isDried = (id: number): boolean => this.dryLayers.rowOf(id) >= 0;
-    const own = this.dryLayers.count > 0 ? seen.filter(isDried) : seen.subarray(0, 0);
-    const plain = own.length > 0 ? seen.filter((id) => !isDried(id)) : seen;
+    const isOwn = this.#own !== null;
+    const own = isOwn ? seen : this.dryLayers.count > 0 ? seen.filter(isDried) : seen.subarray(0, 0);
+    const plain = isOwn ? seen.subarray(0, 0) : own.length > 0 ? seen.filter((id) => !isDried(id)) : seen;
     if (plain.length > 0) {
       const ids = NDArray.of(this.kernels, "i4", plain);
       colours.srgb(amounts, coverage, this.codes, ids);
@@ -249,7 +266,8 @@ export class PaintedSurface {
     }
     if (own.length > 0) {
       const ids = NDArray.of(this.kernels, "i4", own);
-      glaze.srgb(amounts, coverage, this.dryLayers, this.codes, ids);
+      const { slots, spectra } = this.dryLayers;
+      glaze.srgb(amounts, coverage, { slots, spectra, linearRgb: this.#own?.linear }, this.codes, ids);
       ids.free();
     }
   }
@@ -276,7 +294,9 @@ export class PaintedSurface {
       rows: NDArray.of(kernels, "i4", rows),
     };
     const below = { slots: given.slots, spectra: dry.spectra };
-    glaze.dry(given.amounts, given.share, below, given.every, given.rows);
+    const linearRgb = this.#linearAt(ids);
+    glaze.dry(given.amounts, given.share, { ...below, linearRgb }, given.every, given.rows);
+    linearRgb?.free();
     for (const [k, over] of dry.over.entries())
       glaze.dry(given.amounts, given.share, { slots: given.slots, spectra: over }, given.every, given.rows, k);
     for (const array of Object.values(given)) array.free();
@@ -288,6 +308,16 @@ export class PaintedSurface {
       covered[id] = 0.0;
     }
     this.touch(ids);
+  }
+
+  /** The object's own colours at some vertices (N, 3), linear. */
+  #linearAt(ids: Int32Array): NDArray<"f4"> | undefined {
+    if (this.#own === null) return undefined;
+    this.#knowVertices();
+    const rows = this.kernels.zeros("f4", ids.length, 3);
+    const [to, from] = [rows.data, this.#own.linear.data];
+    ids.forEach((id, k) => to.set(from.subarray(3 * id, 3 * id + 3), 3 * k));
+    return rows;
   }
 
   /** Dry all wet paint at once where it is; water is let go. */

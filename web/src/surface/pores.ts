@@ -28,13 +28,14 @@ const SHOWN = [0.7, 1.2] as const;
 const FIBRES_OF_SIEVE = 0.5;
 const RAW_MM = 0.06;
 const CATCH_MM = 0.4;
-const [FIBRES_OF_CATCH, FLOCS_OF_CATCH] = [1.2, 1.0];
+const [FIBRES_OF_CATCH, FLOCS_OF_CATCH] = [0.6, 1.0];
 const GLUE = 0.25;
 const GLUE_OF_WAYS = 0.9;
 const GLUE_OF_ENTRY = 0.85;
 const FULL = 0.98;
 const LEAST_MM = 0.012;
 const FILM_MM2_S = 0.3;
+const ENTRY_RATIO = 0.3; // entry potential of a cell's widest pores over that of its narrowest
 const POOL_MM = 0.25;
 const SHEDS = [0.6, 0.9] as const;
 
@@ -69,6 +70,17 @@ export function capacityOf(material: Material): number {
 /** The diffusivity of a film of water on full pores, mm2/s. */
 export function filmOf(material: Material): number {
   return Math.max(material.spread_mm2_s, FILM_MM2_S);
+}
+
+/** How far a surface repels water, 0 to 1. */
+function repellenceOf(material: Material): number {
+  const [low, high] = SHEDS;
+  return material.pores_mm !== 0.0 ? clip((material.advance - low) / (high - low), 0.0, 1.0) : 1.0;
+}
+
+/** The entry potential of a cell's widest pores over that of its narrowest, 0 to 1. */
+export function entryRatioOf(material: Material): number {
+  return ENTRY_RATIO + (1.0 - ENTRY_RATIO) * repellenceOf(material);
 }
 
 /** Pore properties at N points. */
@@ -191,8 +203,6 @@ export function closePore(
   const kept = entryDepth + GLUE_OF_ENTRY * closed * Math.max(0.0, full - entryDepth);
   let s = clip(kept / depth - residual, 0.0, 1.0);
   s = Math.min(1.0, s / (1.0 - residual));
-  const [low, high] = SHEDS;
-  const repellence = material.pores_mm !== 0.0 ? clip((material.advance - low) / (high - low), 0.0, 1.0) : 1.0;
-  const poolEntry = filmOf(material) * POOL_MM * repellence;
+  const poolEntry = filmOf(material) * POOL_MM * repellenceOf(material);
   return [kept, strength * (s * s * s) + poolEntry, conductance * (1.0 - GLUE_OF_WAYS * closed)];
 }

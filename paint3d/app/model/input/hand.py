@@ -465,6 +465,13 @@ class Hand:
         state = self._state
         if state is None or state.began_ns is None:
             return []
+        if event is not None and event.pressure is None and len(self._waiting) == 1:
+            # a mouse that stands says nothing until its button is let go: a click is a dot
+            state.sent_ns = max(event.time_ns, state.sent_ns + _STEP_NS)
+            pressed = replace(
+                self._waiting[0], time_ns=state.sent_ns, pressure=self._pressure(event)
+            )
+            self._waiting.append(pressed)
         samples = self._land(brush) + self._glide(brush)
         state.began_ns = None
         found = None if event is None or state.beside else self._meet(event)

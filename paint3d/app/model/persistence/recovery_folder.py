@@ -344,8 +344,8 @@ class Unfinished:
             done += cost
             tell(_OPENED + (1.0 - _OPENED) * done / whole)
         document.end_stroke()
-        document.belong_to(self.path, self.file)
-        document.differ_from_saved()
+        document.set_file(self.path, self.file)
+        document.mark_modified()
         unknown = Counter(refused) - known
         return Recovered(document, len(events), loss, tuple(unknown.elements()))
 

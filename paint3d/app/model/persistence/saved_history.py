@@ -31,7 +31,7 @@ from paint3d.surface.undo_state import restore_undo, undo_state
 
 __all__ = ["MOST_BYTES", "restore_history", "saved_history"]
 
-MOST_BYTES = 64 << 20
+MOST_BYTES = 48 << 20
 """Of the steps in a file; those that are farthest from now are left out."""
 
 _STROKE, _UNFINISHED = "stroke", "unfinished stroke"

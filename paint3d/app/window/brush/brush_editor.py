@@ -18,7 +18,7 @@ from paint3d.app.window.wording import say, say_error, say_hair
 from paint3d.brush.presets import (
     brush_names,
     check_brush_name,
-    check_unlike_presets,
+    check_not_preset,
     load_presets,
     meaning_of,
 )
@@ -739,7 +739,7 @@ class BrushEditor(QtWidgets.QDialog):
         try:
             check_brush_name(name)
             if dataclasses.replace(self.brush, name=name) != load_presets().get(name):
-                check_unlike_presets(name, load_presets())
+                check_not_preset(name, load_presets())
         except BrushError as error:
             self.show_message(error)
             return

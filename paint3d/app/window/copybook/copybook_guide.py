@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -37,6 +38,7 @@ from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Paint3DError
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES, load_photograph
+from paint3d.files.progress import Progress
 from paint3d.mesh.sheet_mesh import sheet_of
 
 if TYPE_CHECKING:
@@ -47,8 +49,11 @@ __all__ = ["CopybookGuide"]
 
 _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM = 15.0  # where there is no text that it belongs to
+_NAMELESS = "□□"  # where a name goes that is not known
+_USUAL_SIGNATURE = 7  # characters: a year, a season, a name
 _BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # values that let a text fill no sheet
-_BREAK_ANEW = {"grid", "around"}  # values with which the text's lines may break otherwise
+_CHOICES = {"around", "order"}  # where one does not fit, a size that does is offered
+_BREAK_ANEW = {"grid", *_CHOICES}  # values with which the text's lines may break otherwise
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _NUMERALS = r"\d〇零○一二三四五六七八九十"
 _DATED = re.compile(  # a year, and what else of a date is said beside a name
@@ -58,6 +63,7 @@ _DATED = re.compile(  # a year, and what else of a date is said beside a name
 )
 _SIGNED = "書书寫写題题識识記记作畫画 "  # what one does who signs
 _LONGEST_TITLE = 16
+_LAID = 0.3  # of the time until ghosts are found
 _SOME = 500  # samples after which it is looked what is written by now
 _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
@@ -141,11 +147,19 @@ class CopybookGuide:
     def do_sign(self) -> None:
         """Ask for a line of signature and date, and lay it smaller beside the text."""
         workspace = self._workspace
-        text, agreed = QtWidgets.QInputDialog.getText(
-            workspace.window, say("Signature and date…").rstrip("…"),
-            say("Date and name, as the line beside the text says them"),
-            text=date_line(datetime.date.today(), workspace.settings.signer),
-        )  # fmt: skip
+        name = workspace.settings.signer or _NAMELESS
+        line = date_line(datetime.date.today(), name)
+        dialog = QtWidgets.QInputDialog(workspace.window)
+        dialog.setWindowTitle(say("Signature and date…").rstrip("…"))
+        dialog.setLabelText(say("Date and name, as the line beside the text says them"))
+        dialog.setTextValue(line)
+        edit = dialog.findChild(QtWidgets.QLineEdit)
+        assert edit is not None, "it asks for a line"
+        # once it is shown, which selects the whole line: what is typed replaces the name alone
+        name_alone = partial(edit.setSelection, line.rindex(name), len(name))
+        QtCore.QTimer.singleShot(0, name_alone)
+        agreed, text = dialog.exec(), dialog.textValue().replace(_NAMELESS, "")
+        dialog.deleteLater()
         if not agreed or not text.strip():
             return
         workspace.update_settings(signer=signer_in(text))
@@ -190,7 +204,7 @@ class CopybookGuide:
         signature = signature.moved(em_mm=beside.em_mm, between=beside.between)
         placed = signature.moved(point=tuple(found))
         try:
-            self._make(placed)
+            self._copybook_of(placed)
         except Paint3DError:  # there is no room: it lies where it fits, to be moved
             return signature
         return placed
@@ -201,7 +215,7 @@ class CopybookGuide:
         text = values["text"]
         if sheet is None or not text.strip():
             return values
-        found = compose(sheet, text, values["order"], is_signed=True)
+        found = compose(sheet, text, values["order"], signature=_USUAL_SIGNATURE)
         if found is None:  # letters that do not stand in squares
             return values
         composed = {"text": "\n".join(found.lines), "em_mm": found.em_mm, "point": found.point}
@@ -238,7 +252,10 @@ class CopybookGuide:
         return self.ask({"text": text, "em_mm": em_mm, "order": order, "font": font}, False)
 
     def change(self, values: Mapping[str, Any]) -> None:
-        """Give the chosen text other values: its size, place, turn, distances, grid."""
+        """Give the chosen text other values: its size, place, turn, distances, grid.
+
+        One that fills the sheet is composed anew where its order changes.
+        """
         if not _BY_ITSELF.isdisjoint(values):
             self._panel.fill_box.setChecked(False)
         held = self.held()
@@ -248,6 +265,8 @@ class CopybookGuide:
         if not values.keys() <= _BREAK_ANEW and "\n" not in laid.text and held.book.lines:
             laid = laid.moved(text=held.book.lines)  # it breaks where it did before
         try:
+            if "order" in values and self._panel.fills and not laid.is_signature:
+                values = self._filling({"text": laid.text, **values})
             laid = laid.moved(**values)
             if laid.around:  # it lies level
                 laid = laid.moved(turn=0.0)
@@ -255,7 +274,7 @@ class CopybookGuide:
             self._workspace.tell(say_error(error), state="bad")
             return
         if self._active is not None:
-            if not self._put(laid, self._active, quiet=True):
+            if not self._put(laid, self._active, quiet=_CHOICES.isdisjoint(values)):
                 self._show_active()
             return
         page = held.book.page
@@ -315,24 +334,42 @@ class CopybookGuide:
 
     # -- laying -----------------------------------------------------------------------------
 
-    def _make(self, laid: LaidText) -> Copybook:
+    def _make(self, laid: LaidText, progress: Progress = lambda _: None) -> Copybook:
         """The copybook of a text on the object that is open."""
-        source = self._workspace.painting.source
-        book = Copybook.of(source, laid, self._workspace.settings.glyphs or None)
-        for ghost in book.ghosts:
+        book = self._copybook_of(laid)
+        for n, ghost in enumerate(book.ghosts):
+            progress(_LAID + (1.0 - _LAID) * n / len(book.ghosts))
             _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
         _ = book.block
         return book
 
+    def _copybook_of(self, laid: LaidText) -> Copybook:
+        """The copybook of a text; its ghosts are not found yet."""
+        workspace = self._workspace
+        return Copybook.of(workspace.painting.source, laid, workspace.settings.glyphs or None)
+
     def _put(self, laid: LaidText, number: int | None, *, quiet: bool = False) -> bool:
-        """Lay a text in the place of one, or beside those there are; whether that went well."""
+        """Lay a text in the place of one, or beside those there are; whether that went well.
+
+        One that would fit at a smaller size is laid at that size if this is agreed to.
+        """
         workspace = self._workspace
         texts = workspace.painting.texts
         if number is not None and number < len(texts) and texts[number] == laid:
             return True
-        done = workspace.run(say("Lay out"), lambda _: self._make(laid))
-        if quiet and isinstance(done.exception(), Paint3DError):
-            workspace.tell(say_error(done.exception() or ""), state="bad")
+        done = workspace.run(say("Lay out"), partial(self._make, laid))
+        error = done.exception()
+        if quiet and isinstance(error, Paint3DError):
+            workspace.tell(say_error(error), state="bad")
+            return False
+        if isinstance(error, Paint3DError) and "smaller" in error.message.fields:
+            smaller = error.message.fields["smaller"]
+            accept = say("Lay out at {size}", size=say_length(smaller))
+            if (
+                ask(workspace.window, say_error(error), accept=accept, warns=True)
+                is Answer.AcceptRole
+            ):
+                return self._put(laid.moved(em_mm=smaller), number)
             return False
         if not workspace.went_well(done):
             return False
@@ -555,8 +592,7 @@ class CopybookGuide:
         self._counting = self._counted = None
         self._fitted = []
         self._panel.show_texts([], None)
-        self._panel.show_values(None)
-        self._panel.offer_filling(sheet_of(opened.surface.mesh) is not None)
+        self._panel.begin_anew(on_sheet=sheet_of(opened.surface.mesh) is not None)
 
     def follow(self) -> None:
         """Take what strokes were judged to be, and the texts that the painting has now."""
@@ -689,9 +725,13 @@ def signer_in(line: str) -> str:
 
 
 def date_line(day: datetime.date, signer: str = "") -> str:
-    """A year of the sixty, counted by January, and its season, as signatures say a date; a name."""
-    year = day.year - 4
-    season = "冬春夏秋"[day.month % 12 // 3]
+    """A year of the sixty and its season, as signatures say a date, and a name.
+
+    Both begin with 立春, the 4th of February: January belongs to the winter before.
+    """
+    months = 12 * day.year + day.month - 2  # since a February; seasons begin within a week of 1st
+    year = months // 12 - 4
+    season = "春夏秋冬"[months % 12 // 3]
     return f"{_STEMS[year % 10]}{_BRANCHES[year % 12]}年{season}{signer}書"
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Future
+from contextlib import suppress
 from typing import Any
 
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -14,13 +15,15 @@ from paint3d.app.window.files.file_dialogs import look_at_names_only
 from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
+from paint3d.calligraphy.composition import stands_in_squares
 from paint3d.calligraphy.page.opening import PAGE_FILES
-from paint3d.errors import Message
+from paint3d.errors import InputError, Message
 from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES
 
 __all__ = ["CopybookPanel"]
 
 _EXAMPLE = "永和九年"
+_FIRST = LaidText()  # what is shown of a text on a painting that is opened
 _GRID_NAMES = {
     "frame": Message("Squares"),
     "mi": Message("Cross and diagonals (mi)"),
@@ -29,6 +32,13 @@ _GRID_NAMES = {
     "columns": Message("Lines between columns"),
     "none": Message("No grid"),
 }
+
+
+def _reads_down(text: str) -> bool | None:
+    """Whether a text is usually written in columns; None without a letter."""
+    with suppress(InputError):
+        return stands_in_squares(text)
+    return None
 
 
 class _Lines(QtWidgets.QPlainTextEdit):
@@ -126,6 +136,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.texts.activated.connect(self.chosen)
         self.text = _Lines(_EXAMPLE)
         self.text.finished.connect(self.ask)
+        self._order_chosen = self._shows_signature = False
         self.em = self._number("em_mm", 2.0, 1000.0, 40.0, " mm")
         self.fill_box = QtWidgets.QCheckBox(say("Fill the sheet"))
         self.fill_box.setToolTip(
@@ -133,10 +144,10 @@ class CopybookPanel(QtWidgets.QWidget):
         )
         self.fill_box.setChecked(True)
         self.around_box = QtWidgets.QCheckBox(say("All around the object"))
-        self.around_box.toggled.connect(lambda on: self.changed.emit({"around": on}))
         self.direction = QtWidgets.QComboBox()
         self.direction.addItem(say("Columns"), True)
         self.direction.addItem(say("Row"), False)
+        self.direction.activated.connect(self._choose_order)
         self.font_box = FontBox(say("Characters of the copybook"))
         self.grid_box = QtWidgets.QComboBox()
         for kind in GRIDS:
@@ -149,8 +160,11 @@ class CopybookPanel(QtWidgets.QWidget):
             box.setRange(1, 40)
             box.setValue(n)
             box.setToolTip(say("Squares of a grid without a text"))
+            box.setEnabled(False)
+        self.text.textChanged.connect(self._suit_text)
         self.turn = self._number("turn", -180.0, 180.0, 0.0, "°", 1)
         self.around_box.toggled.connect(self.turn.setDisabled)
+        self.around_box.toggled.connect(lambda on: self.changed.emit({"around": on}))
         self.gap = self._number("gap", 0.0, 500.0, 10.0, " %")
         self.between = self._number("between", 0.0, 500.0, 0.0, " %")
         self.gap.setToolTip(say("Room between columns, or rows, in parts of the size"))
@@ -218,19 +232,21 @@ class CopybookPanel(QtWidgets.QWidget):
         form.addRow("", self.fill_box)
         form.addRow("", self.around_box)
         form.addRow(say("Grid"), self.grid_box)
-        form.addRow(say("Squares"), _side_by_side(self.across, self.down))
-        form.addRow(say("Apart"), _side_by_side(self.gap, self.between))
-        form.addRow(say("Turned"), self.turn)
-        form.addRow(say("Moved by"), _side_by_side(self.right, self.up))
+        in_numbers = QtWidgets.QFormLayout()  # below the buttons, which most ask for
+        in_numbers.addRow(say("Squares"), _side_by_side(self.across, self.down))
+        in_numbers.addRow(say("Apart"), _side_by_side(self.gap, self.between))
+        in_numbers.addRow(say("Turned"), self.turn)
+        in_numbers.addRow(say("Moved by"), _side_by_side(self.right, self.up))
         layout = QtWidgets.QVBoxLayout(self)
         layout.setContentsMargins(10, 6, 10, 8)
         layout.addLayout(form)
         self._form = form
-        self.offer_filling(False)
+        self._offer_filling(False)
         layout.addLayout(_side_by_side(layout_text, self.add_button))
-        layout.addLayout(_side_by_side(self.move_button, hide))
         layout.addWidget(self.write_button)
         layout.addLayout(_side_by_side(self.sign_button, self.seal_button))
+        layout.addLayout(_side_by_side(self.move_button, hide))
+        layout.addLayout(in_numbers)
         layout.addWidget(self.open_button)
         layout.addWidget(self.correct_button)
         layout.addWidget(self.message_label)
@@ -300,15 +316,33 @@ class CopybookPanel(QtWidgets.QWidget):
         self.direction.setCurrentIndex(self.direction.findData(laid.order == "columns"))
         self.grid_box.setCurrentIndex(self.grid_box.findData(laid.grid))
         self.font_box.show_font(laid.font)
+        self._shows_signature = laid.is_signature
+        self._order_chosen = _reads_down(laid.text) not in (None, laid.order == "columns")
         if not self.text.hasFocus():
-            self.text.setPlainText(laid.text)
+            with QtCore.QSignalBlocker(self.text):
+                self.text.setPlainText(laid.text)
+            self._offer_squares()
+
+    def begin_anew(self, *, on_sheet: bool) -> None:
+        """Show what a first text would be; one that was typed for another painting stays.
+
+        A signature is that painting's own.
+        """
+        typed = "" if self._shows_signature else self.text.text()
+        self.show_values(_FIRST.moved(text=_EXAMPLE))
+        if typed:
+            with QtCore.QSignalBlocker(self.text):
+                self.text.setPlainText(typed)
+        self._order_chosen = False
+        self._suit_text()
+        self._offer_filling(on_sheet)
 
     @property
     def fills(self) -> bool:
         """Whether a text that is laid out is to fill the sheet."""
         return self._form.isRowVisible(self.fill_box) and self.fill_box.isChecked()
 
-    def offer_filling(self, on: bool) -> None:
+    def _offer_filling(self, on: bool) -> None:
         """Show whether text fills the sheet, where there is one."""
         self.fill_box.setChecked(True)
         with QtCore.QSignalBlocker(self.around_box):
@@ -322,6 +356,26 @@ class CopybookPanel(QtWidgets.QWidget):
         with QtCore.QSignalBlocker(self.move_button):
             self.move_button.setChecked(on)
 
+    @property
+    def _order(self) -> str:
+        return "columns" if self.direction.currentData() else "row"
+
+    def _suit_text(self) -> None:
+        """Show squares for no text alone, and a row for letters, unless a way was chosen."""
+        self._offer_squares()
+        columns = _reads_down(self.text.text())
+        if columns is not None and not self._order_chosen:
+            self.direction.setCurrentIndex(self.direction.findData(columns))
+
+    def _offer_squares(self) -> None:
+        for box in (self.across, self.down):
+            box.setEnabled(not self.text.text().strip())
+
+    def _choose_order(self) -> None:
+        """Lay the chosen text the other way."""
+        self._order_chosen = True
+        self.changed.emit({"order": self._order})
+
     def ask(self) -> None:
         """Ask for what is written here."""
         self._ask(False)
@@ -330,7 +384,7 @@ class CopybookPanel(QtWidgets.QWidget):
         values = {
             "text": self.text.text().strip(),
             "em_mm": self.em.value(),
-            "order": "columns" if self.direction.currentData() else "row",
+            "order": self._order,
             "font": self.font_box.font_name,
             "grid": self.grid_box.currentData(),
             "cells": (self.across.value(), self.down.value()),

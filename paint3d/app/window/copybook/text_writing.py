@@ -16,11 +16,12 @@ from paint3d.app.window.copybook.text_moving import HeldText
 from paint3d.app.window.job import JobProgress
 from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.playing.recordings import samples_of, tool_changes_of, tools_in_hand
+from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_brush, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.page.laying import PlacedPiece
-from paint3d.calligraphy.writing import Pen, plan_ahead
+from paint3d.calligraphy.writing import WritingSettings, plan_ahead
 from paint3d.core.machine import usable_cores
 from paint3d.errors import Paint3DError
 
@@ -46,6 +47,8 @@ class TextWriting:
         Paints what was planned.
     held : callable
         The text that is chosen, as it lies there, or None.
+    resize : callable
+        Lays it in another size, mm; where it cannot, it lies as before.
     """
 
     def __init__(
@@ -53,9 +56,10 @@ class TextWriting:
         workspace: Workspace,
         player: Player,
         held: Callable[[], HeldText | None],
+        resize: Callable[[float], None],
     ) -> None:
         self._workspace, self._player = workspace, player
-        self._held = held
+        self._held, self._resize = held, resize
         self._ahead = 0  # times that planning ahead was begun or ended: only the last goes on
         self._timer = QtCore.QTimer(workspace, interval=_SETTLED_MS, singleShot=True)
         self._timer.timeout.connect(self._plan_ahead)
@@ -71,12 +75,12 @@ class TextWriting:
             return
         pieces = [PlacedPiece(ghost.glyph, ghost.square) for ghost in held.book.ghosts]
         brush, em = paint_thread.brush, held.laid.em_mm
-        pen = _pen(brush if suits_size(brush, em) else brush_for(em), em)
+        settings = _settings_for(brush if suits_size(brush, em) else brush_for(em), em)
         number = self._ahead
 
         def plan() -> None:
             with suppress(Paint3DError):  # told when it is to be written
-                for _ in plan_ahead(pieces, pen):
+                for _ in plan_ahead(pieces, settings):
                     if number != self._ahead:
                         return
 
@@ -102,7 +106,12 @@ class TextWriting:
         folder = workspace.settings.glyphs or None
         title = say("Planning the strokes…")
         planned = workspace.run(title, partial(_made_ready, held, painting, brush, folder))
-        if workspace.went_well(planned):
+        error = planned.exception()
+        smaller = error.message.fields.get("smaller") if isinstance(error, Paint3DError) else None
+        if isinstance(smaller, float):
+            if self._lies_smaller(em, smaller):
+                self.do_write_text()
+        elif workspace.went_well(planned):
             samples, loads, strengths = planned.result()
             after = tools_in_hand(painting, in_hand)
             before = _fresh(painting)
@@ -118,6 +127,20 @@ class TextWriting:
                 )
                 workspace.tell(told)
 
+    def _lies_smaller(self, em_mm: float, smaller: float) -> bool:
+        """Whether a text for which the brush has no room lies in a size now for which it has."""
+        message = say(
+            "The brush has no room to write it here at {size}; at {smaller} it has",
+            size=say_length(em_mm),
+            smaller=say_length(smaller),
+        )
+        accept = say("Write it at {size}", size=say_length(smaller))
+        window = self._workspace.window
+        if ask(window, message, accept=accept, warns=True) is Answer.AcceptRole:
+            self._resize(smaller)
+        held = self._held()
+        return held is not None and held.laid.em_mm == smaller
+
 
 def _fresh(painting: Snapshot) -> list[Asked]:
     """The brush in hand, dipped as it was last, and turned by the handle."""
@@ -131,15 +154,15 @@ def _made_ready(
     held: HeldText, painting: Snapshot, brush: BrushSpec, folder: str | None, progress: JobProgress
 ) -> tuple[Any, ...]:
     """The samples of a text that is written, and what the brush comes to hold at them."""
-    from paint3d.calligraphy.dips import dipped_as
-    from paint3d.calligraphy.flying_white import inked_as
+    from paint3d.calligraphy.dips import apply_dip_option
+    from paint3d.calligraphy.flying_white import with_ink
 
     def tell(_: str, fraction: float) -> None:
         progress(_PLANNED * fraction)
 
     written = _plan(held, painting, brush, folder, tell)
-    written = replace(written, recording=dipped_as(written.recording, brush, _DIPS))
-    recording: Recording = inked_as(
+    written = replace(written, recording=apply_dip_option(written.recording, brush, _DIPS))
+    recording: Recording = with_ink(
         written.recording, written.dryness, written.strength, painting.material
     )
     return (samples_of(recording, progress), *tool_changes_of(recording))
@@ -158,7 +181,7 @@ def _plan(
 
     laid, page = held.laid, held.book.page
     options: dict[str, Any] = {
-        "pen": _pen(brush, laid.em_mm),
+        "settings": _settings_for(brush, laid.em_mm),
         "layout": laid.layout,
         "progress": tell,
     }
@@ -169,5 +192,5 @@ def _plan(
     return write_text(painting.source, laid.text, source, **options)
 
 
-def _pen(brush: BrushSpec, em_mm: float) -> Pen:
-    return Pen(brush, em_mm, variation=_VARIATION, seed=1)
+def _settings_for(brush: BrushSpec, em_mm: float) -> WritingSettings:
+    return WritingSettings(brush, em_mm, variation=_VARIATION, seed=1)

@@ -39,6 +39,7 @@ class BeginPage(QtWidgets.QFrame):
         self._rows.setSpacing(8)
         self.buttons: list[QtWidgets.QPushButton] = []
         self.hide()
+        recovery.discarded = self._fill_again
 
     def show_page(self, shown: bool) -> None:
         """Show it, with what is there now, or hide it."""
@@ -54,6 +55,12 @@ class BeginPage(QtWidgets.QFrame):
         self.adjustSize()
         self.move(self._workspace.canvas.rect().center() - self.rect().center())
 
+    def _fill_again(self) -> None:
+        """Offer what is there now, if it is shown."""
+        if self.isVisible():
+            self.hide()
+            self.show_page(True)
+
     def _fill(self) -> None:
         while self._rows.count():
             item = self._rows.takeAt(0)
@@ -68,7 +75,9 @@ class BeginPage(QtWidgets.QFrame):
         actions, begin = self._workspace.actions, self._opening.open_path
         self._add(say("A bowl"), partial(begin, "bowl", None, "porcelain"))
         self._add(say("A sheet of paper"), partial(begin, _SHEET, _SHEET_MM, "xuan"))
-        for name in ("new", "open", "sample", "tour"):
+        self._add(say("Another sheet or object…"), actions["new"].trigger)
+        self._add(say("An object of your own, or a painting…"), actions["open"].trigger)
+        for name in ("sample", "tour"):
             self._add(actions[name].text(), actions[name].trigger)
         left = recoverable()
         if left:

@@ -25,7 +25,7 @@ from paint3d.files.progress import part_of
 from paint3d.files.project.session import SESSION_SUFFIX
 from paint3d.mesh.sheet_mesh import sheet_of
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.view.shot import AUTO, FLAT, UNLIT, Shot
+from paint3d.view.shot import AUTO, FLAT, UNLIT, Shot, flat_size
 
 __all__ = [
     "FORMAT_NAMES",
@@ -39,7 +39,6 @@ __all__ = [
 
 _PICTURES = (".png", ".jpg")
 _STUDIO_SIZE = (1600, 1200)
-_SHEET_SIDE = 2400  # pixels of a sheet's longer side
 _VIEWS = {
     "front": Message("From the front"),
     "right": Message("From the right"),
@@ -145,9 +144,8 @@ class ExportDialog(FormDialog):
     def _usual_size(self) -> tuple[int, int]:
         """The size that is usual for the view, pixels."""
         if self._sheet is not None and self.choices["view"].currentData() == FLAT:
-            scale = _SHEET_SIDE / max(self._sheet)
-            width, height = (max(LEAST_PIXELS, round(scale * mm)) for mm in self._sheet)
-            return width, height
+            width, height = flat_size(*self._sheet)
+            return max(LEAST_PIXELS, width), max(LEAST_PIXELS, height)
         return self._screen if self.is_of_screen else _STUDIO_SIZE
 
     def _add_mesh(self) -> None:

@@ -27,9 +27,9 @@ __all__ = [
 
 
 def described(source: TriangleMesh, material: Material) -> str:
-    """What is painted on, in words: the object, its material and its size."""
-    sides = sorted(np.ptp(source.vertices, axis=0), reverse=True)
-    message = [say_length(side) for side in sides if side > 0.05 * sides[0]]
+    """What is painted on, in words: the object, its material, its width, depth and height."""
+    sides = np.ptp(source.vertices, axis=0)
+    message = [say_length(side) for side in sides if side > 0.05 * sides.max()]
     size = " × ".join([*(length.split()[0] for length in message[:-1]), message[-1]])
     return f"{say_object(source.name)}, {say_material(material)}, {size}"
 

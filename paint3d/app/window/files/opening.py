@@ -257,8 +257,9 @@ class Opening:
         def read(progress: JobProgress) -> Reading:
             message = _before_one(progress)
             found = read_mesh(path, self.unit, texture=True, up=self.up, progress=message)
-            _ = found.likely_up, found.mesh.face_normals, found.mesh.bounds  # found here, not in
-            # the window's thread
+            _ = found.mesh.face_normals, found.mesh.bounds  # here, not in the window's thread
+            if not is_built_in(path):
+                _ = found.up_by_shape
             return found
 
         loaded = self._workspace.run(title, read)

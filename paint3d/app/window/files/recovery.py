@@ -34,12 +34,18 @@ class Recovery:
         Of what can be brought back; filled when it is about to be shown.
     may_leave : callable
         Asks what becomes of the painting that is open.
+
+    Attributes
+    ----------
+    discarded : callable
+        Called when a painting was deleted because that was answered.
     """
 
     def __init__(
         self, workspace: Workspace, menu: QtWidgets.QMenu, may_leave: Callable[[], bool]
     ) -> None:
         self._workspace, self._menu, self._may_leave = workspace, menu, may_leave
+        self.discarded: Callable[[], None] = lambda: None
 
     def offer(self) -> bool:
         """Ask about a painting that was never saved, the newest; True if it was brought back."""
@@ -68,6 +74,7 @@ class Recovery:
         )
         if answer is Answer.DestructiveRole:
             one.discard()
+            self.discarded()
         return answer is Answer.AcceptRole
 
     def tell_unsaved(self) -> None:

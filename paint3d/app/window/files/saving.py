@@ -91,7 +91,7 @@ class Saving:
 
         def work(progress: JobProgress) -> None:  # beside a bar: a step that goes on may last
             asked = paint_thread.post(
-                lambda document: (document.path, document.is_written_by_others)
+                lambda document: (document.path, document.file_changed_on_disk)
             )
             found.append(result_of(asked, progress))
 

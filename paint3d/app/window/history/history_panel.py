@@ -221,7 +221,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self.stop()
         self._wanted = None
         self._shown = (-1, -1)
-        self.show_strokes(painting.strokes, painting.undone_strokes, painting.earliest_stroke)
+        self.show_strokes(painting.strokes, painting.undone_strokes, painting.fewest_strokes)
         self.show_seals(painting.n_seals)
 
     def follow(self, frame: PaintingFrame) -> None:
@@ -229,7 +229,7 @@ class HistoryPanel(QtWidgets.QWidget):
         painting = frame.painting
         if len(painting.strokes) == self._wanted or not frame.queue_length:
             self._wanted = None
-        self.show_strokes(painting.strokes, painting.undone_strokes, painting.earliest_stroke)
+        self.show_strokes(painting.strokes, painting.undone_strokes, painting.fewest_strokes)
         self.show_seals(painting.n_seals)
 
     def show_strokes(self, strokes: Sequence[Any], undone: Sequence[Any], earliest: int) -> None:

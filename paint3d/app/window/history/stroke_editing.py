@@ -48,7 +48,7 @@ class Recalling:
         """
         workspace = self._workspace
         paint_thread, painting = workspace.paint_thread, workspace.painting
-        if upto >= painting.oldest_stroke or upto < painting.earliest_stroke:
+        if upto >= painting.n_strokes_without_undo or upto < painting.fewest_strokes:
             workspace.post("replay_history", upto, passing)
             return
 
@@ -56,7 +56,7 @@ class Recalling:
             with paint_thread.reporting(progress):
                 paint_thread.post("replay_history", upto, passing).result()
 
-        count = painting.oldest_stroke
+        count = painting.n_strokes_without_undo
         title = say("Repainting {n} strokes to go back to them…", n=count)
         if workspace.went_well(workspace.run(title, work)):
             workspace.tell(

@@ -120,6 +120,7 @@ class ToneRow(QtWidgets.QWidget):
 
 
 _DISH, _GAP, _LABEL = 56, 8, 18
+_ROW, _SEEN_ROWS = _DISH + _LABEL + _GAP, 3  # of dishes
 _LOW, _LOWEST = 790, 750  # pixels of a window with little room for the panel, and with less
 _SMALL_DISH, _MOST_MIXTURES = 26, 8
 TIP_REACH = 0.35  # of the tuft's length, when the tip alone is dipped
@@ -279,7 +280,7 @@ class DishGrid(QtWidgets.QWidget):
     def heightForWidth(self, width: int) -> int:
         """What its rows need."""
         rows = -(-len(self.names) // self.columns(width))
-        return rows * (_DISH + _LABEL + _GAP) + _GAP
+        return rows * _ROW + _GAP
 
     def sizeHint(self) -> QtCore.QSize:
         """As wide as it is."""
@@ -290,7 +291,7 @@ class DishGrid(QtWidgets.QWidget):
         columns = self.columns(self.width())
         step = (self.width() - _GAP) / columns
         x = _GAP / 2 + (index % columns) * step + (step - _DISH) / 2
-        y = _GAP + (index // columns) * (_DISH + _LABEL + _GAP)
+        y = _GAP + (index // columns) * _ROW
         return QtCore.QRectF(x, y, _DISH, _DISH)
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
@@ -611,7 +612,7 @@ class InkPanel(QtWidgets.QWidget):
         scroll = QtWidgets.QScrollArea()
         scroll.setWidgetResizable(True)
         scroll.setWidget(self.dishes)
-        scroll.setMinimumHeight(_DISH + _LABEL + _GAP)
+        scroll.setMinimumHeight(_ROW)
         self.fold = QtWidgets.QToolButton()
         self.fold.setObjectName("fold")
         self.fold.setText(say("How the brush is dipped"))
@@ -748,6 +749,11 @@ class InkPanel(QtWidgets.QWidget):
         layout = self.layout()
         assert layout is not None, "it was made with one"
         return layout.minimumHeightForWidth(width)
+
+    def height_with_dishes(self, width: int) -> int:
+        """The height at which three rows of dishes are seen, or all there are."""
+        rows = min(_SEEN_ROWS, -(-len(self.dishes.names) // self.dishes.columns(width)))
+        return self.heightForWidth(width) + (rows - 1) * _ROW
 
     def show_pickup(self, fraction: float) -> None:
         """Show how much wet ink the brush takes up, 1/mm, and tell nothing."""

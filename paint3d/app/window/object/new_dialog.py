@@ -15,7 +15,7 @@ from paint3d.app.window.forms import FormDialog, buttons
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.questions import ask
 from paint3d.app.window.wording import say, say_error, say_object
-from paint3d.colour.materials import load_material
+from paint3d.colour.materials import Material, load_material
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.errors import Message, Paint3DError
 from paint3d.files.load import BUILT_IN_OBJECTS, read_mesh
@@ -49,6 +49,7 @@ class NewDialog(FormDialog):
 
     def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
         super().__init__(parent, say("New painting…").rstrip("…"), beside=True)
+        self._settings = settings
         self._kept_material = chosen_material(settings)
         self._wanted = settings.resolution_mm
         self._error = ""
@@ -56,7 +57,9 @@ class NewDialog(FormDialog):
         for form in FORMS:
             self.sheets.add(form, f"{say_object(form)}\n{_format_size(_usual(form))}")
         for name in BUILT_IN_OBJECTS:
-            self.objects.add(name, say_object(name))
+            width, depth, height = 0.1 * np.ptp(read_mesh(name).mesh.vertices, axis=0)
+            size = f"{width:.3g} × {height or depth:.3g} cm"  # a sheet that lies has no height
+            self.objects.add(name, f"{say_object(name)}\n{size}")
         self.objects.add("", say("A mesh file…"))
         lists = QtWidgets.QVBoxLayout()
         titles = (say("Sheets"), self.sheets, 3), (say("Objects"), self.objects, 2)
@@ -80,6 +83,9 @@ class NewDialog(FormDialog):
         self.material.failed.connect(lambda why: ask(self, why, accept=say("OK"), leave=""))
         self.material.currentIndexChanged.connect(lambda _: self._draw())
         self.form.addRow(say("Material"), self.material)
+        self.wetness = QtWidgets.QLabel()
+        self.wetness.setObjectName("faint")
+        self.form.addRow("", self.wetness)
         self.resolution = self.add_number(say("Detail"), 0.05, 10.0, self._wanted, "mm", 2)
         self.resolution.setSingleStep(0.05)
         self.fault = QtWidgets.QLabel()
@@ -189,6 +195,12 @@ class NewDialog(FormDialog):
 
     def _draw(self) -> None:
         sheet = self._sheet()
+        made_of = self.material.material()
+        known = made_of if isinstance(made_of, Material) else load_material(made_of)
+        spreads = self._settings.wants_wet(known)
+        self.wetness.setText(
+            say("Ink spreads on it") if spreads else say("Ink stays where it is laid")
+        )
         self.fault.setText(self._error)
         self.form.setRowVisible(self.fault, bool(self._error))
         ok = self.buttons.button(QtWidgets.QDialogButtonBox.StandardButton.Ok)

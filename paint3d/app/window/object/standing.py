@@ -93,6 +93,7 @@ class ObjectDialog(QtWidgets.QDialog):
         self._turned = turn_up(reading.up)  # by who read it
         self._guess = reading.likely_up
         start = first_choice(reading, self._guess, material, resolution)
+        self._likely = self._likely_axis(reading, is_open)
         self._turn, self._scale = start.turn, start.scale
         self._seen = Preview(reading.mesh, _PICTURE)
         self._plain = self._seen.plain()
@@ -143,7 +144,7 @@ class ObjectDialog(QtWidgets.QDialog):
         hint.setEnabled(False)
         left.addWidget(hint)
         left.addStretch(1)
-        right.addWidget(self._heading(is_open))
+        right.addWidget(self._heading(reading.up, is_open))
         right.addLayout(self._ways())
         right.addLayout(self._form(start, not is_open))
         right.addWidget(self._notes(reading))
@@ -152,10 +153,24 @@ class ObjectDialog(QtWidgets.QDialog):
         right.addWidget(agree)
         agree.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setFocus()
 
-    def _heading(self, is_open: bool) -> QtWidgets.QLabel:
+    def _likely_axis(self, reading: Reading, is_open: bool) -> str | None:
+        """The file's axis that is likely up; None where it is known and the shape agrees."""
+        guess = self._guess
+        if guess is None:
+            if is_open or not reading.is_oddly_up:
+                return None
+            guess = reading.up_by_shape
+        up = turn_up(guess.up)[2]
+        return next(axis for axis in UP_AXES if np.array_equal(self._turn_for(axis)[2], up))
+
+    def _heading(self, up: str, is_open: bool) -> QtWidgets.QLabel:
         guess = self._guess
         if is_open:
             text = say("This is how it stands now")
+        elif guess is None and self._likely is not None:
+            text = say(
+                "The file says {axis} is up, its shape says {likely}", axis=up, likely=self._likely
+            )
         elif guess is None:
             text = say("The file says which way is up")
         elif guess.sure:
@@ -178,9 +193,8 @@ class ObjectDialog(QtWidgets.QDialog):
             button.setIcon(QtGui.QIcon(_pixmap(preview.draw(self._turn_for(up)))))
             button.setIconSize(QtCore.QSize(_SMALL, _SMALL))
             button.setToolButtonStyle(QtCore.Qt.ToolButtonStyle.ToolButtonTextUnderIcon)
-            likely = self._guess is not None and self._guess.up == up
             text = say("{axis} up", axis=up)
-            button.setText(f"{text} ({say('likely')})" if likely else text)
+            button.setText(f"{text} ({say('likely')})" if up == self._likely else text)
             button.clicked.connect(lambda _=False, up=up: self.stand_up(up))
             self.ways[up] = button
             grid.addWidget(button, k // 3, k % 3)
@@ -390,11 +404,11 @@ class Standing:
             said.append(
                 say("Which way is up is uncertain; change it by Edit ▸ Turn and scale the object")
             )
-        elif guess is not None and guess.up != "z":
+        elif reading.is_oddly_up:
             said.append(
                 say(
                     "{axis} was taken as up; change it by Edit ▸ Turn and scale the object",
-                    axis=guess.up,
+                    axis=reading.up if guess is None else guess.up,
                 )
             )
         self._said = "   ".join(said)

@@ -19,7 +19,7 @@ from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.spec import BrushSpec
-from paint3d.calligraphy.dips import dipped_as
+from paint3d.calligraphy.dips import apply_dip_option
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Message
 from paint3d.files.progress import part_of
@@ -148,8 +148,8 @@ class Recordings:
         speed : float, optional
             Of the recording's own time; by default as fast as it goes.
         dips : {"auto", "always"} or int, optional
-            Before which characters the brush is dipped, as `dipped_as` takes it; by default where
-            the recording says.
+            Before which characters the brush is dipped, as `apply_dip_option` takes it; by default
+            where the recording says.
         """
         workspace = self._workspace
         title = say("Opening {name}…", name=Path(path).name)
@@ -164,7 +164,7 @@ class Recordings:
             if dips is not None:
                 brush = recorded_brush(recording.header)
                 assert brush is not None, "it names the brush that it was planned for"
-                recording = dipped_as(recording, brush, dips)
+                recording = apply_dip_option(recording, brush, dips)
             tools = Tools(_tools_of(recording), (), *tool_changes_of(recording))
             return samples_of(recording, progress), tools
 

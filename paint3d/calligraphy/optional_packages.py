@@ -7,10 +7,10 @@ from typing import Any
 
 from paint3d.errors import InputError
 
-__all__ = ["package_of_the_hand"]
+__all__ = ["import_optional"]
 
 
-def package_of_the_hand(name: str) -> Any:
+def import_optional(name: str) -> Any:
     """One of the packages that read fonts and drawings.
 
     Raises

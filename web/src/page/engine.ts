@@ -1,0 +1,454 @@
+/**
+ * A painting in a thread of its own: what the page asks of it, and what it tells the page to show. The
+ * page's thread has the window, the camera and the picture; nothing that paints runs there.
+ */
+
+import type { Vector } from "../core/quaternion";
+import { frameAt } from "../mesh/chart";
+import type { Bundle } from "../core/bundle";
+import type { ObjectWords } from "../mesh/refined_mesh";
+import { PIECE_S } from "../painter/painter";
+import { NoRoomError, NoTouchError, USUAL_PRESSING } from "../seal/print";
+import { Studio, type Contents, type Fetch } from "../studio";
+import type { Layer } from "../surface/layer_stack";
+import { Copybook, USUAL, type Guides, type LaidText } from "./copybook";
+import { Document, type LayerEdit } from "./document";
+import { glbOf, plyOf } from "./export";
+import { Hand, type HandSettings, type PointerInput } from "./hand";
+import { PictureFeed, type PictureChange } from "./picture_feed";
+import type { CutSeal } from "./seal_list";
+
+const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
+const WRITTEN_FASTER = 3.0; // than the planned hand goes
+const WRITTEN_EVERY_MS = 16;
+const KEPT_EVERY_MS = 1000; // while a stroke, or wet ink, goes on
+const APART_NS = 2_000_000n; // between two strokes, at least
+
+/** How a piece is opened. */
+export interface Opening {
+  about: Contents["objects"][number];
+  brush: string;
+  ink: string;
+  material?: string;
+  own: Bundle<ObjectWords> | null; // an object that somebody has brought
+  score: string; // that is painted again
+  hand: HandSettings;
+}
+
+/** What the page knows of a painting. */
+export interface State {
+  canUndo: boolean;
+  canRedo: boolean;
+  canDry: boolean;
+  isPainted: boolean;
+  nMarks: number;
+  inkLeft: number; // share of a full dip
+  brush: string;
+  dipped: Record<string, number>; // parts by pigment
+  layers: readonly Layer[];
+  active: number;
+  texts: readonly LaidText[];
+}
+
+/** What of it does not change. */
+export interface Piece {
+  mesh: string; // digest
+  material: string;
+  roughness: number;
+  isPorous: boolean;
+  nBaseVertices: number;
+}
+
+/** What is told of a painting without being asked. */
+export interface Told {
+  state: State;
+  score: string; // lines that came since, to be kept
+  guides?: { [lines in keyof Guides]: Float32Array };
+  picture?: PictureChange;
+  heardMs: number; // up to when what the pointer did is painted, by its clock
+}
+
+export class Engine {
+  readonly #hand: Hand;
+  readonly #feed: PictureFeed;
+  #copybook: Copybook | null = null;
+  #guided: readonly LaidText[] = []; // whose lines were told
+  #aheadNs = 0n; // of the pointer's clock, the painting's
+  #heardMs = 0.0;
+  #inStroke = false;
+  #spreads = false; // whether time passes for wet ink
+  #isShown = true;
+  #timer: ReturnType<typeof setTimeout> | null = null;
+  #passedMs = 0.0; // of that time
+  #keptMs = 0.0;
+  #isAwaited = true; // the next picture, by the page
+  #isDue = false; // something is to be told
+
+  private constructor(
+    private readonly studio: Studio,
+    private readonly painting: Document,
+    settings: HandSettings,
+    private readonly tell: (told: Told) => void,
+    private readonly fail: (cause: unknown) => void,
+  ) {
+    this.#hand = new Hand(studio.kernels, studio.sizes, painting.closest, settings);
+    this.#feed = new PictureFeed(painting);
+  }
+
+  /** Open a piece, fresh, or as a score leaves it; `progress` is told the share that is painted again. */
+  static async open(
+    fetch: Fetch, { about, brush, ink, material, own, score, hand }: Opening, progress: (share: number) => void,
+    tell: (told: Told) => void, fail: (cause: unknown) => void,
+  ): Promise<Engine> {
+    const studio = await Studio.open(fetch);
+    const painting = await Document.open(studio, about, brush, ink, material, own);
+    if (score !== "") await painting.repeat(studio, score, progress);
+    const engine = new Engine(studio, painting, hand, tell, fail);
+    engine.#tellNow(true);
+    return engine;
+  }
+
+  get piece(): Piece {
+    const { surface } = this.painting;
+    return {
+      mesh: surface.object.words.mesh,
+      material: surface.material.name,
+      roughness: surface.material.seen_roughness,
+      isPorous: surface.material.pores_mm > 0.0,
+      nBaseVertices: surface.paintMesh.nBaseVertices,
+    };
+  }
+
+  get #state(): State {
+    const { painting } = this;
+    const { layers, active } = painting.layers;
+    return {
+      canUndo: painting.canUndo || this.#inStroke, // of what is heard after its end
+      canRedo: painting.canRedo,
+      canDry: painting.canDry,
+      isPainted: painting.isPainted,
+      nMarks: painting.nMarks,
+      inkLeft: Math.min(1.0, painting.painter.inkLeft()),
+      brush: painting.painter.brush.name,
+      dipped: painting.dipped,
+      layers: layers.map((layer) => ({ ...layer })),
+      active,
+      texts: painting.texts,
+    };
+  }
+
+  // -- what is told ---------------------------------------------------------------------------
+
+  /** The page has shown the last picture. */
+  seen(): void {
+    this.#isAwaited = true;
+    if (this.#isDue) this.#tellNow();
+  }
+
+  /** Something has changed: tell it when what was heard meanwhile is painted too. */
+  #changed(): void {
+    if (this.#isDue) return;
+    this.#isDue = true;
+    if (this.#isAwaited)
+      setTimeout(() => {
+        if (this.#isDue && this.#isAwaited) this.#guard(() => this.#tellNow());
+      });
+  }
+
+  /** Tell what has changed; `isDone`: all is to be kept; `withPicture`: the page awaits one, or takes it anyway. */
+  #tellNow(isDone = false, withPicture = this.#isAwaited): void {
+    const { painting } = this;
+    const now = performance.now();
+    const isKept = isDone || now - this.#keptMs > KEPT_EVERY_MS;
+    if (isKept) this.#keptMs = now;
+    const told: Told = { state: this.#state, score: isKept ? painting.takeNew() : "", heardMs: this.#heardMs };
+    if (painting.texts !== this.#guided && this.#copybook !== null) {
+      const { outlines, grid } = this.#guides(this.#copybook);
+      told.guides = { outlines: Float32Array.from(outlines), grid: Float32Array.from(grid) };
+      this.#guided = painting.texts;
+    }
+    if (withPicture) {
+      told.picture = this.#feed.change();
+      this.#isAwaited = this.#isDue = false;
+    }
+    this.tell(told);
+  }
+
+  #guides(copybook: Copybook): Guides {
+    const { closest, texts } = this.painting;
+    const all = texts.map((text) => copybook.guides(closest, text));
+    return { outlines: all.flatMap(({ outlines }) => outlines), grid: all.flatMap(({ grid }) => grid) };
+  }
+
+  /** Do something to the painting, and tell what has changed. */
+  #act<T>(work: () => T): T {
+    const result = work();
+    this.#isDue = true;
+    this.#tellNow(true);
+    this.#wake();
+    return result;
+  }
+
+  #guard(work: () => void): void {
+    try {
+      work();
+    } catch (cause) {
+      this.fail(cause);
+    }
+  }
+
+  // -- a hand ---------------------------------------------------------------------------------
+
+  setHand(settings: HandSettings): void {
+    Object.assign(this.#hand.settings, settings);
+  }
+
+  /** The brush comes down, dipped first where an ink is named; whether it paints, or why it does not. */
+  down(input: PointerInput, erases: boolean, ink: string | null): "paints" | "beside" | "hidden" {
+    const { painting } = this;
+    if (this.#inStroke) this.#endStroke(painting.lastNs);
+    const least = painting.lastNs + APART_NS;
+    if (input.timeNs + this.#aheadNs < least) this.#aheadNs = least - input.timeNs;
+    const { brush } = painting.painter;
+    const samples = this.#hand.begin(this.#timed(input), brush);
+    const { layers, active } = painting.layers;
+    if (samples === null) return "beside";
+    if (!layers[active].visible) {
+      this.#hand.end(painting.lastNs, brush);
+      return "hidden";
+    }
+    if (ink !== null) painting.dip(this.studio, ink);
+    painting.beginStroke(erases);
+    this.#inStroke = true;
+    painting.advance(samples);
+    this.#changed();
+    return "paints";
+  }
+
+  move(inputs: readonly PointerInput[]): void {
+    if (!this.#inStroke) return;
+    const { painting } = this;
+    for (const input of inputs) {
+      painting.advance(this.#hand.move(this.#timed(input), painting.painter.brush));
+      this.#heardMs = Number(input.timeNs) * 1e-6;
+    }
+    this.#changed();
+  }
+
+  up(timeNs: bigint): void {
+    if (this.#inStroke) this.#act(() => this.#endStroke(timeNs + this.#aheadNs));
+  }
+
+  /** What was painted since the brush came down was no stroke. */
+  takeBack(): void {
+    if (!this.#inStroke) return;
+    this.#act(() => {
+      this.#endStroke(this.painting.lastNs);
+      this.painting.undo();
+    });
+  }
+
+  #endStroke(timeNs: bigint): void {
+    const { painting } = this;
+    this.#inStroke = false;
+    painting.advance(this.#hand.end(timeNs, painting.painter.brush));
+    painting.endStroke();
+  }
+
+  #timed(input: PointerInput): PointerInput {
+    return { ...input, timeNs: input.timeNs + this.#aheadNs };
+  }
+
+  // -- what is done between strokes -----------------------------------------------------------
+
+  undo(): void {
+    this.#act(() => this.painting.undo());
+  }
+
+  redo(): void {
+    this.#act(() => this.painting.redo());
+  }
+
+  dry(): void {
+    this.#act(() => this.painting.dry());
+  }
+
+  dip(ink: string): void {
+    this.#act(() => this.painting.dip(this.studio, ink));
+  }
+
+  async takeBrush(name: string): Promise<void> {
+    const brush = await this.studio.brush(name);
+    this.#act(() => this.painting.setBrush(brush));
+  }
+
+  restack(edit: LayerEdit): void {
+    this.#act(() => this.painting.restack(edit));
+  }
+
+  /** Press a seal where a ray meets the object; what came of it. */
+  pressSeal(
+    { origin, direction }: Pick<PointerInput, "origin" | "direction">, { rings, turn }: CutSeal, ink: string,
+  ): "pressed" | "beside" | "hidden" | "no touch" | { noRoom: string } {
+    const { painting, studio } = this;
+    const found = painting.closest.cast(origin, direction);
+    if (found === null) return "beside";
+    const { layers, active } = painting.layers;
+    if (!layers[active].visible) return "hidden";
+    const { up } = frameAt(found, turn);
+    try {
+      this.#act(() => painting.pressSeal(studio, { rings, at: found.point, up, ink: studio.partsOf(ink), ...USUAL_PRESSING }));
+    } catch (cause) {
+      if (cause instanceof NoRoomError) return { noRoom: cause.message };
+      if (cause instanceof NoTouchError) return "no touch";
+      throw cause;
+    }
+    return "pressed";
+  }
+
+  // -- texts ----------------------------------------------------------------------------------
+
+  /** Have the characters of a file shown, and written. */
+  async openCopybook(file: string): Promise<void> {
+    this.#copybook ??= await Copybook.read((name) => this.studio.fetch(name), file);
+    this.#guided = [];
+    this.#act(() => {});
+  }
+
+  /** Lay a text where a ray meets the object, or as near as it can be told. */
+  layText(text: Partial<LaidText>, origin: Vector, direction: Vector): void {
+    const { closest } = this.painting;
+    const point = closest.cast(origin, direction)?.point ?? closest.find([0, 0, 0]).point;
+    this.#act(() => this.painting.layText({ ...USUAL, point, grid: "mi", ...text }));
+  }
+
+  /** Change a text that lies there. */
+  changeText(number: number, words: Partial<LaidText>): void {
+    const laid = this.painting.texts.at(number);
+    if (laid !== undefined) this.#act(() => this.painting.layText({ ...laid, ...words }, number));
+  }
+
+  /** Move a text to where a ray meets the object, if it does. */
+  moveText(number: number, { origin, direction }: Pick<PointerInput, "origin" | "direction">): void {
+    const found = this.painting.closest.cast(origin, direction);
+    if (found !== null) this.changeText(number, { point: found.point });
+  }
+
+  removeText(number: number): void {
+    this.#act(() => this.painting.removeText(number));
+  }
+
+  /** Have a planned hand write a text, by its brush. */
+  async write(number: number, ink: string): Promise<void> {
+    const { painting, studio } = this;
+    const copybook = this.#copybook;
+    const laid = painting.texts.at(number);
+    if (copybook === null || laid === undefined || this.#inStroke) return;
+    const brush = await studio.brush(copybook.brush);
+    if (painting.painter.brush !== brush) painting.setBrush(brush);
+    for (const stroke of copybook.strokes(painting.closest, laid)) {
+      painting.dip(studio, ink);
+      painting.beginStroke();
+      try {
+        const startNs = painting.lastNs + 500_000_000n;
+        const began = performance.now();
+        for (let done = 0; done < stroke.length; ) {
+          await new Promise((next) => setTimeout(next, WRITTEN_EVERY_MS));
+          const due = BigInt(Math.round(1e6 * WRITTEN_FASTER * (performance.now() - began)));
+          const part = stroke.slice(done).filter(({ timeNs }) => timeNs <= due);
+          painting.advance(part.map((one) => ({ ...one, timeNs: startNs + one.timeNs })));
+          done += part.length;
+          this.#changed();
+        }
+      } finally {
+        painting.endStroke();
+      }
+      this.#act(() => {});
+    }
+  }
+
+  // -- wet ink --------------------------------------------------------------------------------
+
+  setSpreads(on: boolean): void {
+    this.#spreads = on;
+    this.#wake();
+  }
+
+  /** Time passes while the page is looked at. */
+  setShown(on: boolean): void {
+    this.#isShown = on;
+    this.#tellNow(true);
+    this.#wake();
+  }
+
+  get #passes(): boolean {
+    return this.#spreads && this.#isShown && !this.painting.surface.water.isStill;
+  }
+
+  /** Let time pass from now on, if there is something that it changes. */
+  #wake(): void {
+    if (this.#timer !== null || !this.#passes) return;
+    this.#passedMs = performance.now();
+    this.#awaitPiece();
+  }
+
+  #awaitPiece(): void {
+    const due = this.#passedMs + 1000.0 * PIECE_S - performance.now();
+    this.#timer = setTimeout(() => this.#guard(() => this.#letPass()), Math.max(0.0, due));
+  }
+
+  #letPass(): void {
+    this.#timer = null;
+    if (!this.#passes) return this.#tellNow(true); // all is dry, or not looked at
+    this.#passedMs = Math.max(this.#passedMs + 1000.0 * PIECE_S, performance.now() - MOST_BEHIND_MS);
+    this.painting.followTime();
+    this.#changed();
+    this.#awaitPiece();
+  }
+
+  // -- what is asked --------------------------------------------------------------------------
+
+  /** The painting's state as it is when all that was asked before is done. */
+  state(): State {
+    return this.#state;
+  }
+
+  /** Have the page show all that was done. */
+  show(): void {
+    this.#tellNow(true, true);
+  }
+
+  /** The same by a picture that is whole, where the page has lost it. */
+  showAnew(): void {
+    this.#feed.forget();
+    this.#tellNow(true, true);
+  }
+
+  score(): string {
+    return this.painting.score();
+  }
+
+  glb(name: string): Blob {
+    return glbOf(this.painting.surface, name);
+  }
+
+  ply(): Blob {
+    return plyOf(this.painting.surface);
+  }
+
+  /** The SHA-256 of the colours and of the amounts, as the tests compare them. */
+  async hashes(): Promise<Record<string, string | number>> {
+    const { surface } = this.painting;
+    surface.refresh();
+    const n = surface.nVertices;
+    const sha = async (bytes: Uint8Array): Promise<string> => {
+      const digest = await crypto.subtle.digest("SHA-256", bytes.slice());
+      return [...new Uint8Array(digest)].map((b) => b.toString(16).padStart(2, "0")).join("");
+    };
+    return {
+      vertices: n,
+      srgb: await sha(surface.codes.bytes.subarray(0, 3 * n)),
+      amounts: await sha(surface.ink.amounts.bytes.subarray(0, 4 * n * surface.pigments.length)),
+    };
+  }
+}
