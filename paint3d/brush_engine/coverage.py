@@ -5,10 +5,13 @@ the ink is the mean share of its box that was covered on the way between the two
 the gaps between samples (Guo 2015, section 3.2), does not darken with the sampling rate, and draws
 edges finer than the vertices.
 
-The footprints are cut into lines along the way, half a box apart. On each line an outline has a
-chord. From the stamp before to the stamp after its ends go evenly, so how long a box was behind
-each end, how long within both, and how much of it at the most are closed forms. One table of lines
-is made for a sweep, and every vertex looks its line up once, in vector instructions.
+Both outlines are cut into lines along the way, half a box apart. What an outline covers of a box on
+a line lies between two ramps: each has the middle and the spread of where the box's rows meet the
+outline, so that curved edges, corners and tips are drawn as they are. One table of lines is made
+for each stamp, and every vertex looks its line up once in both, in vector instructions. From the
+stamp before to the stamp after its distances to the ramps go evenly, and so do those to the flanks,
+the outline's farthest points across the way: how long a box was behind each, how long within all,
+and how much of it at the most are closed forms.
 
 Distances are in widths of the box, positive inside; x runs along the way and y across.
 """
@@ -27,7 +30,6 @@ from paint3d.mesh.kernels.mesh_arrays import as_index
 __all__ = [
     "BANDS",
     "LEVELS",
-    "MOST_LINES",
     "Chords",
     "cut_outline",
     "fetch",
@@ -39,46 +41,49 @@ __all__ = [
 ]
 
 _MIDDLE = 1.5 * 2.0**52  # whole numbers near to it are apart by one
-MOST_LINES = 1024  # a power of two
-_LEAST_LINES = 16
-_PITCH = 0.5  # box widths from line to line
+_MOST_LINES = 1024  # a power of two
+_FINE_LINES, _FINE_PITCH = 8, 0.125  # lines across a small outline, and box widths from one to the
+_PITCH = 0.5  # next; and across others
+_NARROWEST = 1.0 / 64.0  # box widths: an outline counts as at least so broad
+_ROWS = 4  # cuts from a line to the next
 _NOWHERE = 1e30  # mm
-_NOTHING = np.float32(1e-5)  # share of a box
+_NOTHING = np.float32(1e-5)  # share of a box: less may come of rounding
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
 BANDS, LEVELS = 64, 7  # bands of neighbouring lines, and of these spans of 1, 2, 4 to 64
 _HALF = np.float32(0.5)
 _ONE = np.float32(1.0)
 _ZERO = np.float32(0.0)
-# Columns of the table: a number between a line and the next is first + rise x part. Where the
-# chord is entered and left at one stamp, mm; how steep the outline is there, box widths to the mm
-# along the way, and how many box widths farther ahead it is at the other stamp; for which share of
-# the way the box lies between the flanks, and how much of it there at that stamp and the other.
-_ENTERS, _ENTERS_RISE, _LEAVES, _LEAVES_RISE, _STEEP, _STEEP_OUT, _COMES, _GOES = range(8)
-_WITHIN, _WITHIN_RISE, _NOW, _NOW_RISE, _THEN, _THEN_RISE = range(8, 14)
-_ROW = 16
+# Columns of a table: a number between a line and the next is first + rise x part. Where the middle
+# of each ramp lies, mm, and how many box widths to the mm along the way it is steep.
+_ENTERS, _ENTERS_RISE, _LEAVES, _LEAVES_RISE = range(4)
+_STEEP, _STEEP_RISE, _STEEP_OUT, _STEEP_OUT_RISE = range(4, 8)
+_ROW = 8
 
 
 class Chords(NamedTuple):
-    """Scratch of a sweep's table of lines; places along and across the way, mm."""
+    """Scratch of a sweep's two tables of lines; places along and across the way, mm."""
 
     points: NDArray  # (2, 2, PROFILE_CELLS + 1, 2) float64, both sides of both stamps' outlines
     flanks: NDArray  # (2, 4) float64, y and x of their lowest points, and of their highest
-    at: NDArray  # (2, MOST_LINES) float64, y of the middle of what of a box on each line lies
-    # between the flanks of both stamps
-    ends: NDArray  # (4, MOST_LINES) float64, where the chords of both stamps are entered and left
-    lines: NDArray  # (MOST_LINES * _ROW,) float32, the table
+    grids: NDArray  # (2, 3) float64, y of the first line, lines to the mm, steps to the last line
+    cuts: NDArray  # (4, _ROWS MOST_LINES + 1) float64, y of cuts through one, where they enter and
+    # leave it, and what is worked in
+    sums: NDArray  # (_ROWS MOST_LINES + 1, 4) float64, of what the cuts find, from the first on
+    lines: NDArray  # (2, MOST_LINES * _ROW) float32, the tables
     bands: NDArray  # (4, LEVELS * BANDS) float32: from where on a box may be covered on the way,
     # and to where, and from where to where it is all covered all the time
 
 
 def make_chords() -> Chords:
     """Scratch for the lines of a sweep."""
+    cuts = _ROWS * _MOST_LINES + 1
     return Chords(
         np.zeros((2, 2, PROFILE_CELLS + 1, 2)),
         np.zeros((2, 4)),
-        np.zeros((2, MOST_LINES)),
-        np.zeros((4, MOST_LINES)),
-        np.zeros(MOST_LINES * _ROW, np.float32),
+        np.zeros((2, 3)),
+        np.zeros((4, cuts)),
+        np.zeros((cuts, 4)),
+        np.zeros((2, _MOST_LINES * _ROW), np.float32),
         np.zeros((4, LEVELS * BANDS), np.float32),
     )
 
@@ -90,34 +95,47 @@ def _covered(edge):
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _mean_covered(a, b):
+def _per_way(a, b):
+    """One over the way of an edge whose distance goes from a to b; 0 where it stands still."""
+    way = b - a
+    still = abs(way) < _STILL
+    per_way = _ONE / (_ONE if still else way)
+    return _ZERO if still else per_way
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _mean_covered(a, b, per_way):
     """Mean of `_covered` while the edge's distance goes evenly from a to b: both antiderivatives.
 
     Without a branch, for vector instructions.
     """
     s, t = _HALF + a, _HALF + b
     u, v = min(_ONE, max(_ZERO, s)), min(_ONE, max(_ZERO, t))
-    way = t - s
     rise = _HALF * (v * v - u * u) + (max(t, _ONE) - max(s, _ONE))
-    still = abs(way) < _STILL
-    mean = rise / (_ONE if still else way)
-    return _covered(_HALF * (a + b)) if still else mean
+    return _covered(_HALF * (a + b)) if per_way == _ZERO else rise * per_way
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _most_covered(a, b, c, d, first, last):
+def _covered_at(t, a, b, c, d, first, last):
+    """Share of the box between two edges after a part of the way: see `_most_covered`."""
+    between = _covered(a + t * (b - a)) + _covered(c + t * (d - c)) - _ONE
+    return (first + t * (last - first)) * between
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _most_covered(a, b, c, d, per_way, per_way_out, first, last):
     """Greatest share of the box between two edges whose distances go from a to b, and c to d.
 
-    Of all of it there are shares that go from `first` to `last`.
+    Of all of it there are shares that go from `first` to `last`. It is greatest at the beginning,
+    at the end, or where one of the edges has just passed over all of the box.
     """
-    before, after = a - c, b - d
-    passes = before * after < _ZERO
-    part = before / (before - after if passes else _ONE)
-    deep = _covered(a + part * (b - a))
-    middle = (first + part * (last - first)) * (deep + deep - _ONE) if passes else _ZERO
+    t = min(_ONE, max(_ZERO, (_HALF - a) * per_way))
+    t_out = min(_ONE, max(_ZERO, (_HALF - c) * per_way_out))
+    passed = _covered_at(t, a, b, c, d, first, last)
+    left = _covered_at(t_out, a, b, c, d, first, last)
     begin = first * (_covered(a) + _covered(c) - _ONE)
     end = last * (_covered(b) + _covered(d) - _ONE)
-    return max(max(_ZERO, middle), max(begin, end))
+    return max(max(_ZERO, max(passed, left)), max(begin, end))
 
 
 @uncounted(error_model="numpy")
@@ -176,153 +194,131 @@ def cut_outline(points, at, n, per_mm, enters, leaves):
 
 @uncounted(error_model="numpy")
 def fill_chords(before, after, sweep, chords):
-    """Make the table of a sweep's lines, and bands of them for judging many vertices at once.
+    """Make both tables of a sweep's lines, and bands of them for judging many vertices at once.
 
     Parameters
     ----------
     before, after : Stamp
         Where the way begins and ends; the same twice for a footprint that comes or goes.
     sweep : record of SWEEP
-        Its turns and scale are filled; its lines are.
+        Its turns and scale are filled; its bands are.
     chords : Chords
         Filled.
     """
-    points, flanks, at, ends = chords.points, chords.flanks, chords.at, chords.ends
+    points, flanks = chords.points, chords.flanks
     _lay_outline(before, sweep.to_before, points[0], flanks[0])
     _lay_outline(after, sweep.to_after, points[1], flanks[1])
-    low, high = min(flanks[0, 0], flanks[1, 0]), max(flanks[0, 2], flanks[1, 2])
-    half = 0.5 / sweep.scale
-    extent = high - low + 2.0 * half
-    n = int(np.ceil(extent * sweep.scale / _PITCH))
-    n = max(_LEAST_LINES, min(MOST_LINES - 2, n))
-    apart = extent / n
-    n += 1  # steps: in the last, nothing is covered
-    sweep.first, sweep.per_mm, sweep.lines = low - half, 1.0 / apart, n
     for stamp in range(2):
-        for k in range(n + 1):
-            y = sweep.first + k * apart
-            at[stamp, k] = 0.5 * (max(y - half, flanks[stamp, 0]) + min(y + half, flanks[stamp, 2]))
-        enters, leaves = ends[2 * stamp], ends[2 * stamp + 1]
-        cut_outline(points[stamp], at[stamp], n + 1, 1.0 / apart, enters, leaves)
-    _begin_at_flanks(n + 1, apart, sweep.first, flanks, ends)
-    _grow_evenly(n + 1, ends)
-    _fill_lines(n, apart, sweep, chords)
-    _fill_bands(n, chords)
+        _fill_lines(
+            points[stamp], flanks[stamp], 1.0 / sweep.scale, chords.grids[stamp], chords.cuts,
+            chords.sums, chords.lines[stamp],
+        )  # fmt: skip
+    _fill_bands(sweep, chords)
 
 
 @uncounted(error_model="numpy")
-def _begin_at_flanks(n, apart, first, flanks, ends):
-    """Let chords that only one stamp has grow from where the other's flank comes over their lines.
+def _fill_lines(points, flanks, box, grid, cuts, sums, lines):
+    """Fill a stamp's table; `box` is the width of a vertex's, mm.
 
-    How long that takes is no matter of theirs: the table says for how long they are there.
+    Lines lie evenly from flank to flank, and half a box beyond. The rows of a box are cuts between
+    lines; what of it lies beyond a flank has none.
     """
-    middle = 0.25 * (flanks[0, 0] + flanks[0, 2] + flanks[1, 0] + flanks[1, 2])
-    for k in range(n):
-        at = first + k * apart
-        side = 0 if at < middle else 2
-        y, y_end = flanks[0, side], flanks[1, side]
-        x, x_end = flanks[0, side + 1], flanks[1, side + 1]
-        t = (at - y) / (y_end - y) if y != y_end else 0.0
-        here = x + min(1.0, max(0.0, t)) * (x_end - x)
-        for stamp in range(0, 4, 2):
-            if ends[stamp, k] > ends[stamp + 1, k]:
-                ends[stamp, k] = ends[stamp + 1, k] = here
-
-
-@uncounted(error_model="numpy")
-def _grow_evenly(n, ends):
-    """Lengthen the shorter of a line's two chords, so that growing evenly it is as long on average.
-
-    Where a flank comes over a line its chord grows like a root: of its length's square evenly.
-    """
-    for k in range(n):
-        a, b, c, d = ends[0, k], ends[1, k], ends[2, k], ends[3, k]
-        shorter, longer = (0, 2) if b - a < d - c else (2, 0)
-        begin, end = ends[longer, k], ends[longer + 1, k]
-        inner_begin, inner_end = ends[shorter, k], ends[shorter + 1, k]
-        most, least = end - begin, inner_end - inner_begin
-        if most <= least:
-            continue
-        mean = 2.0 / 3.0 * (most * most + most * least + least * least) / (most + least)
-        grown = 0.5 * (2.0 * mean - most - least)
-        ends[shorter, k] = max(inner_begin - grown, min(inner_begin, begin))
-        ends[shorter + 1, k] = min(inner_end + grown, max(inner_end, end))
-
-
-@uncounted(error_model="numpy")
-def _fill_lines(n, apart, sweep, chords):
-    """Fill the table from where n + 1 lines are entered and left.
-
-    As time may run either way, it is told from the stamp after, or from the one before where the
-    chord is longer there.
-    """
-    at, ends, lines, flanks = chords.at, chords.ends, chords.lines, chords.flanks
-    scale = sweep.scale
-    last_within, last_first, last_last = _ZERO, _ZERO, _ZERO
-    for k in range(n + 1):
-        y = sweep.first + k * apart
-        a, b = np.float32((y - flanks[0, 0]) * scale), np.float32((y - flanks[1, 0]) * scale)
-        c, d = np.float32((flanks[0, 2] - y) * scale), np.float32((flanks[1, 2] - y) * scale)
-        within = max(_ZERO, _mean_covered(a, b) + _mean_covered(c, d) - _ONE)
-        within = within if within > _NOTHING else _ZERO
-        first = max(_ZERO, _covered(a) + _covered(c) - _ONE)
-        last = max(_ZERO, _covered(b) + _covered(d) - _ONE)
-        if min(first, last) <= _ZERO:  # it comes to the line, and is all there at once
-            first = last = max(first, last)
-        if within <= _ZERO:
-            first = last = _ZERO
+    breadth = max(flanks[2] - flanks[0], _NARROWEST * box)
+    fine = min(_FINE_LINES, int(np.ceil(breadth / (_FINE_PITCH * box))))
+    inner = max(fine, int(np.ceil(breadth / (_PITCH * box))))
+    inner = min(inner, _MOST_LINES - 4)
+    apart = breadth / inner
+    reach = max(1, int(np.round(0.5 * box / apart)))  # lines to half a box
+    steps, n = inner + 2 * reach, inner * _ROWS
+    grid[0], grid[1], grid[2] = flanks[0] - reach * apart, 1.0 / apart, steps
+    _sum_cuts(points, flanks, n, apart / _ROWS, cuts, sums)
+    last_enters, last_leaves, last_steep, last_steep_out = 0.0, 0.0, 0.0, 0.0
+    for k in range(steps + 1):
+        first, end = max(0, (k - 2 * reach) * _ROWS), min(n, k * _ROWS)
+        if first < end:
+            part = 1.0 / (end - first)
+            enters = (sums[end, 0] - sums[first, 0]) * part
+            leaves = (sums[end, 2] - sums[first, 2]) * part
+            spread = max(0.0, (sums[end, 1] - sums[first, 1]) * part - enters * enters)
+            spread_out = max(0.0, (sums[end, 3] - sums[first, 3]) * part - leaves * leaves)
+        else:
+            enters = leaves = flanks[1] if k == 0 else flanks[3]
+            spread = spread_out = 0.0
+        # a straight slope's rows spread over its share of the box's width, by a twelfth of its
+        # square
+        steep = 1.0 / np.sqrt(box * box + 12.0 * spread)
+        steep_out = 1.0 / np.sqrt(box * box + 12.0 * spread_out)
         if k > 0:
-            j, row = k - 1, (k - 1) * _ROW
-            longer = ends[1, j] + ends[1, k] - ends[0, j] - ends[0, k]
-            longer -= ends[3, j] + ends[3, k] - ends[2, j] - ends[2, k]
-            base = 0 if longer * scale > 0.5 else 2
-            dy = at[base // 2, k] - at[base // 2, j]
-            for end in range(2):
-                then, now, column = ends[2 - base + end], ends[base + end], 2 * end
-                rise = now[k] - now[j]
-                slope = rise / dy if dy > 0.0 else 0.0
-                # across what of the box lies between the flanks
-                slope *= 0.5 * (max(last_first, last_last) + max(first, last))
-                steep = scale / np.sqrt(1.0 + slope * slope)
-                lines[row + column] = now[j]
-                lines[row + column + 1] = rise
-                lines[row + _STEEP + end] = steep
-                lines[row + _COMES + end] = 0.5 * (then[j] + then[k] - now[j] - now[k]) * steep
-            lines[row + _WITHIN] = last_within
-            lines[row + _WITHIN_RISE] = within - last_within
-            here, other = (_NOW, _THEN) if base == 2 else (_THEN, _NOW)
-            lines[row + here] = last_last
-            lines[row + here + 1] = last - last_last
-            lines[row + other] = last_first
-            lines[row + other + 1] = first - last_first
-        last_within, last_first, last_last = within, first, last
+            row = (k - 1) * _ROW
+            lines[row + _ENTERS], lines[row + _ENTERS_RISE] = last_enters, enters - last_enters
+            lines[row + _LEAVES], lines[row + _LEAVES_RISE] = last_leaves, leaves - last_leaves
+            lines[row + _STEEP], lines[row + _STEEP_RISE] = last_steep, steep - last_steep
+            lines[row + _STEEP_OUT] = last_steep_out
+            lines[row + _STEEP_OUT_RISE] = steep_out - last_steep_out
+        last_enters, last_leaves, last_steep, last_steep_out = enters, leaves, steep, steep_out
 
 
 @uncounted(error_model="numpy")
-def _fill_bands(n, chords):
-    """Fill the bands from the table, and spans of two, four to all of them."""
-    lines, bands = chords.lines, chords.bands
+def _sum_cuts(points, flanks, n, apart, cuts, sums):
+    """Sum where n + 1 cuts from flank to flank enter and leave an outline, and their squares.
+
+    From one to the next both go straight.
+    """
+    at, enters, leaves = cuts[0], cuts[1], cuts[2]
+    for k in range(n):
+        at[k] = flanks[0] + k * apart
+    at[n] = flanks[2]
+    cut_outline(points, at, n + 1, 1.0 / apart, enters, leaves)
+    for k in range(n + 1):
+        if enters[k] > leaves[k]:
+            enters[k] = leaves[k] = flanks[1] if 2 * k < n else flanks[3]
+    sums[0] = 0.0
+    for k in range(n):
+        a, b, c, d = enters[k], enters[k + 1], leaves[k], leaves[k + 1]
+        sums[k + 1, 0] = sums[k, 0] + 0.5 * (a + b)
+        sums[k + 1, 1] = sums[k, 1] + (a * a + a * b + b * b) * (1.0 / 3.0)
+        sums[k + 1, 2] = sums[k, 2] + 0.5 * (c + d)
+        sums[k + 1, 3] = sums[k, 3] + (c * c + c * d + d * d) * (1.0 / 3.0)
+
+
+@uncounted(error_model="numpy")
+def _fill_bands(sweep, chords):
+    """Fill the bands from the tables, and spans of two, four to all of them.
+
+    Boxes beyond all lines of a stamp are asked of its last.
+    """
+    flanks, bands = chords.flanks, chords.bands
+    half = 0.5 / sweep.scale
+    first = min(flanks[0, 0], flanks[1, 0]) - half
+    per_mm = BANDS / (max(flanks[0, 2], flanks[1, 2]) + half - first)
+    sweep.first, sweep.per_mm = first, per_mm
     bands[0], bands[1], bands[2], bands[3] = _NOWHERE, -_NOWHERE, -_NOWHERE, _NOWHERE
-    for j in range(n):
-        row = j * _ROW
-        steep, steep_out = lines[row + _STEEP], lines[row + _STEEP_OUT]
-        comes, goes = lines[row + _COMES] / steep, lines[row + _GOES] / steep_out
-        least, most, whole_from, whole_to = _NOWHERE, -_NOWHERE, -_NOWHERE, _NOWHERE
-        for part in range(2):
-            enters = lines[row + _ENTERS] + part * lines[row + _ENTERS_RISE]
-            leaves = lines[row + _LEAVES] + part * lines[row + _LEAVES_RISE]
-            least = min(least, enters + min(0.0, comes) - 0.5 / steep)
-            most = max(most, leaves + max(0.0, goes) + 0.5 / steep_out)
-            whole_from = max(whole_from, enters + max(0.0, comes) + 0.5 / steep)
-            whole_to = min(whole_to, leaves + min(0.0, goes) - 0.5 / steep_out)
-        within = lines[row + _WITHIN]
-        if min(within, within + lines[row + _WITHIN_RISE]) < 0.99999:
-            whole_from, whole_to = _NOWHERE, -_NOWHERE
-        for band in range(j * BANDS // n, ((j + 1) * BANDS - 1) // n + 1):
-            bands[0, band] = min(bands[0, band], least)
-            bands[1, band] = max(bands[1, band], most)
-            bands[2, band] = max(bands[2, band], whole_from)
-            bands[3, band] = min(bands[3, band], whole_to)
+    for stamp in range(2):
+        lines, grid = chords.lines[stamp], chords.grids[stamp]
+        steps, shift = int(grid[2]), (grid[0] - first) * per_mm
+        to_bands = per_mm / grid[1]
+        for j in range(steps):
+            row = j * _ROW
+            enters, leaves = lines[row + _ENTERS], lines[row + _LEAVES]
+            rise, rise_out = lines[row + _ENTERS_RISE], lines[row + _LEAVES_RISE]
+            steep, steep_out = lines[row + _STEEP], lines[row + _STEEP_OUT]
+            steep = _HALF / (steep + min(_ZERO, lines[row + _STEEP_RISE]))
+            steep_out = _HALF / (steep_out + min(_ZERO, lines[row + _STEEP_OUT_RISE]))
+            least = enters + min(_ZERO, rise) - steep
+            most = leaves + max(_ZERO, rise_out) + steep_out
+            whole_from = enters + max(_ZERO, rise) + steep
+            whole_to = leaves + min(_ZERO, rise_out) - steep_out
+            begin = max(0, int(shift + j * to_bands)) if j > 0 else 0
+            end = min(BANDS, int(shift + (j + 1) * to_bands) + 1) if j + 1 < steps else BANDS
+            for band in range(begin, end):
+                bands[0, band] = min(bands[0, band], least)
+                bands[1, band] = max(bands[1, band], most)
+                bands[2, band] = max(bands[2, band], whole_from)
+                bands[3, band] = min(bands[3, band], whole_to)
+    low, high = max(flanks[0, 0], flanks[1, 0]) + half, min(flanks[0, 2], flanks[1, 2]) - half
+    for band in range(BANDS):
+        if first + band / per_mm < low or first + (band + 1) / per_mm > high:
+            bands[2, band], bands[3, band] = _NOWHERE, -_NOWHERE
     for level in range(1, LEVELS):
         apart, here, below = 1 << (level - 1), level * BANDS, (level - 1) * BANDS
         for band in range(BANDS):
@@ -334,7 +330,7 @@ def _fill_bands(n, chords):
 
 
 @uncounted(error_model="numpy", apart=True)
-def weigh(n, sweep, lines, xs, ys, stretch, share, cover):
+def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover):
     """Time-mean share for the ink, and greatest share covered, of vertices.
 
     The share is w of docs/model.md, equation (9).
@@ -342,43 +338,74 @@ def weigh(n, sweep, lines, xs, ys, stretch, share, cover):
     Parameters
     ----------
     n : int
-    sweep : record of SWEEP
-    lines : (MOST_LINES * _ROW,) float32
+    scale : float
+        Box widths to the mm.
+    flanks, grids : (2, 4) and (2, 3) float64
         Of `fill_chords`.
+    before, after : (MOST_LINES * _ROW,) float32
+        The tables of both stamps.
     xs, ys, stretch : (n or more,) float32
         Where vertices lie along the way and across, mm, and how many times their area the plane's
         is.
     share, cover : (n or more,) float32
         Filled.
     """
-    first, per_mm = np.float32(sweep.first), np.float32(sweep.per_mm)
-    last = np.float32(sweep.lines - 1e-3)
-    row, mask = np.uint32(_ROW), np.uint32(MOST_LINES - 1)
+    row, mask, per_box = np.uint32(_ROW), np.uint32(_MOST_LINES - 1), np.float32(scale)
+    from_a, per_mm_a, last_a = _grid(grids[0])
+    from_b, per_mm_b, last_b = _grid(grids[1])
+    low_a, high_a = np.float32(flanks[0, 0]), np.float32(flanks[0, 2])
+    low_b, high_b = np.float32(flanks[1, 0]), np.float32(flanks[1, 2])
+    per_low = _per_way(-low_a * per_box, -low_b * per_box)
+    per_high = _per_way(high_a * per_box, high_b * per_box)
     for k in range(n):
-        x = xs[k]
-        at = min(max((ys[k] - first) * per_mm, _ZERO), last)
+        x, y = xs[k], ys[k]
+        at = min(max((y - from_a) * per_mm_a, _ZERO), last_a)
         line = np.int32(at)
         i, part = (np.uint32(line) & mask) * row, at - np.float32(line)
-        steep, steep_out = lines[i + np.uint32(_STEEP)], lines[i + np.uint32(_STEEP_OUT)]
-        enters = lines[i + np.uint32(_ENTERS)] + part * lines[i + np.uint32(_ENTERS_RISE)]
-        leaves = lines[i + np.uint32(_LEAVES)] + part * lines[i + np.uint32(_LEAVES_RISE)]
+        enters = before[i + np.uint32(_ENTERS)] + part * before[i + np.uint32(_ENTERS_RISE)]
+        leaves = before[i + np.uint32(_LEAVES)] + part * before[i + np.uint32(_LEAVES_RISE)]
+        steep = before[i + np.uint32(_STEEP)] + part * before[i + np.uint32(_STEEP_RISE)]
+        steep_out = (
+            before[i + np.uint32(_STEEP_OUT)] + part * before[i + np.uint32(_STEEP_OUT_RISE)]
+        )
+        a, c = (x - enters) * steep, (leaves - x) * steep_out
+        at = min(max((y - from_b) * per_mm_b, _ZERO), last_b)
+        line = np.int32(at)
+        i, part = (np.uint32(line) & mask) * row, at - np.float32(line)
+        enters = after[i + np.uint32(_ENTERS)] + part * after[i + np.uint32(_ENTERS_RISE)]
+        leaves = after[i + np.uint32(_LEAVES)] + part * after[i + np.uint32(_LEAVES_RISE)]
+        steep = after[i + np.uint32(_STEEP)] + part * after[i + np.uint32(_STEEP_RISE)]
+        steep_out = after[i + np.uint32(_STEEP_OUT)] + part * after[i + np.uint32(_STEEP_OUT_RISE)]
         b, d = (x - enters) * steep, (leaves - x) * steep_out
-        a, c = b - lines[i + np.uint32(_COMES)], d + lines[i + np.uint32(_GOES)]
-        mean = max(_ZERO, _mean_covered(a, b) + _mean_covered(c, d) - _ONE)
-        within = lines[i + np.uint32(_WITHIN)] + part * lines[i + np.uint32(_WITHIN_RISE)]
-        share[k] = within * mean * stretch[k]
-        then = lines[i + np.uint32(_THEN)] + part * lines[i + np.uint32(_THEN_RISE)]
-        now = lines[i + np.uint32(_NOW)] + part * lines[i + np.uint32(_NOW_RISE)]
-        cover[k] = _most_covered(a, b, c, d, then, now)
+        per_way, per_way_out = _per_way(a, b), _per_way(c, d)
+        mean = max(_ZERO, _mean_covered(a, b, per_way) + _mean_covered(c, d, per_way_out) - _ONE)
+        low, high = (y - low_a) * per_box, (high_a - y) * per_box
+        low_then, high_then = (y - low_b) * per_box, (high_b - y) * per_box
+        within = _mean_covered(low, low_then, per_low) + _mean_covered(high, high_then, per_high)
+        weight = (within - _ONE) * mean
+        share[k] = weight * stretch[k] if weight > _NOTHING else _ZERO
+        first = max(_ZERO, _covered(low) + _covered(high) - _ONE)
+        last = max(_ZERO, _covered(low_then) + _covered(high_then) - _ONE)
+        most = _most_covered(a, b, c, d, per_way, per_way_out, first, last)
+        cover[k] = most if most > _NOTHING else _ZERO
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _grid(grid):
+    """y of a stamp's first line, lines to the mm, and the last place between two."""
+    return np.float32(grid[0]), np.float32(grid[1]), np.float32(grid[2] - 1e-3)
 
 
 @uncounted(error_model="numpy")
-def hold_within(n, sweep, flanks, lines, xs, ys):
-    """Move vertices that the footprint has passed to where they lay on its edge last."""
-    first, per_mm = np.float32(sweep.first), np.float32(sweep.per_mm)
-    last, half = np.float32(sweep.lines - 1e-3), np.float32(0.5 / sweep.scale)
+def hold_within(n, scale, flanks, grid, lines, xs, ys):
+    """Move vertices that a footprint has passed to where they lay on its edge last.
+
+    `flanks`, `grid` and `lines` are those of the stamp; the rest is as for `weigh`.
+    """
+    first, per_mm, last = _grid(grid)
+    half = np.float32(0.5 / scale)
     low, high = np.float32(flanks[0]) - half, np.float32(flanks[2]) + half
-    row, mask = np.uint32(_ROW), np.uint32(MOST_LINES - 1)
+    row, mask = np.uint32(_ROW), np.uint32(_MOST_LINES - 1)
     for k in range(n):
         at = min(max((ys[k] - first) * per_mm, _ZERO), last)
         line = np.int32(at)

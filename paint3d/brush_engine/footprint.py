@@ -102,9 +102,8 @@ SWEEP = np.dtype(
         ("to_before", "f8", 4),  # turn to the coordinates of the stamp before: x, y, cosine, sine
         ("to_after", "f8", 4),  # and to those of the stamp after
         ("scale", "f8"),  # widths of the soft edge to the mm
-        ("first", "f8"),  # y of the first line along the way, mm
-        ("per_mm", "f8"),  # lines to the mm
-        ("lines", "f8"),  # steps from the first line to the last
+        ("first", "f8"),  # y of where the first band of lines along the way begins, mm
+        ("per_mm", "f8"),  # bands to the mm
         ("carry2", "f8"),  # square of how far a vertex may be carried into the plane, mm2
         ("ball", "f8", 3),  # middle of the ball in which vertices are carried, from the origin, mm
         ("ball2", "f8"),  # square of its radius

@@ -159,13 +159,14 @@ def level_shares(before, after, wet, contact, field, ink, n, scratch):
         return False
     evens *= carried
     chords, gains = scratch.chords, scratch.gains
-    flanks, at, ends = chords.flanks[1], chords.at[1], chords.ends
+    flanks, cuts = chords.flanks[1], chords.cuts
+    at, enters, leaves, numbers = cuts[0], cuts[1], cuts[2], cuts[3]
     apart = (flanks[2] - flanks[0]) / LINES
     for line in range(LINES):
         at[line] = flanks[0] + (line + 0.5) * apart
-    cut_outline(chords.points[1], at, LINES, 1.0 / apart, ends[0], ends[1])
+    cut_outline(chords.points[1], at, LINES, 1.0 / apart, enters, leaves)
     power = _ON_GLAZE + ink.transfer[0].grain * (_ON_GRAIN - _ON_GLAZE)
-    _fill_gains(ends[0], ends[1], evens, power, ends[2], gains)
+    _fill_gains(enters, leaves, evens, power, numbers, gains)
     _give_by_line(n, found.aside, at[0], 1.0 / apart, gains, found.share)
     if drinks > 0.0:
         full = min(1.0, max(0.0, (wet - 1.0) / (_FULL - 1.0)))

@@ -20,13 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.footprint import (
-    PROFILE_CELLS,
-    Stamp,
-    find_way,
-    make_stamp,
-    outline_motion,
-)
+from paint3d.brush_engine.footprint import PROFILE_CELLS, Stamp, make_stamp, outline_motion
 from paint3d.brush_engine.ink_transfer import InkField, sweep_deposit
 from paint3d.brush_engine.placement import place_stamp
 from paint3d.brush_engine.tuft import (
@@ -76,7 +70,6 @@ NEEDS_ROOM = 1
 
 _FINEST_STEP = 0.35  # of the paint's resolution: the shortest sweep, and how near samples count
 _STEP_SHARE = 0.25  # of the footprint's smaller extent: the longest sweep
-_TURNS = 4.0  # times as short is one of a footprint that is not carried on at all, and once more
 _BOW = 0.025  # of the paint's resolution: how far a sweep's chord may leave the path
 _MOST_STEPS = 4096  # sweeps between two samples
 _DRAG_STEPS = 20.0  # per length of slack
@@ -441,10 +434,7 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
         else:
             extent = 0.0
     step = max(_FINEST_STEP * resolution, _STEP_SHARE * extent)
-    motion = outline_motion(before, after)
-    if a.touches > 0.0 and b.touches > 0.0:  # chords go evenly as it is carried on, and else hardly
-        motion *= 1.0 + _TURNS * (1.0 - find_way(before, after)[0])
-    n = max(motion / step, np.sqrt(bow / (_BOW * resolution)))
+    n = max(outline_motion(before, after) / step, np.sqrt(bow / (_BOW * resolution)))
     if dragged:
         slack = drag_length(b.descent, tuft.length, tuft.drag_fraction)
         n = max(n, foot_motion(a, b) * _DRAG_STEPS / max(slack, resolution))

@@ -61,7 +61,7 @@ def _judge_discs(n, discs, sweep, bands, fates):
     """
     xs, ys, radii = discs[0], discs[1], discs[2]
     begins, ends, whole_from, whole_to = bands[0], bands[1], bands[2], bands[3]
-    first, per_mm = np.float32(sweep.first), np.float32(sweep.per_mm * BANDS / sweep.lines)
+    first, per_mm = np.float32(sweep.first), np.float32(sweep.per_mm)
     zero, end = np.float32(0.0), np.float32(BANDS)
     last, one = np.int32(BANDS - 1), np.int32(1)
     for k in range(n):
@@ -376,6 +376,7 @@ def find_vertices(before, after, field, scratch):
     if n_cells < 0:
         return -1
     runs, sweep, found, block = scratch.query.runs, scratch.sweep[0], scratch.found, scratch.block
+    chords = scratch.chords
     vertices, at = _vertices_of(field), 0
     found.count[0] = 0
     for r in range(n_runs):
@@ -392,7 +393,10 @@ def find_vertices(before, after, field, scratch):
             return at
         xs, ys = found.ahead[at : at + n], found.aside[at : at + n]
         share, cover = found.share[at : at + n], found.cover[at : at + n]
-        weigh(n, sweep, scratch.chords.lines, xs, ys, block.stretch, share, cover)
+        weigh(
+            n, sweep.scale, chords.flanks, chords.grids, chords.lines[0], chords.lines[1], xs, ys,
+            block.stretch, share, cover,
+        )  # fmt: skip
         at += n
 
 

@@ -469,7 +469,9 @@ def _look_up_hairs(imprint, whole_from, n, scratch):
         own_ahead, own_aside = found.ahead[first:last], found.aside[first:last]
         for k in range(m):
             ahead[k], aside[k] = own_ahead[k], own_aside[k]
-        hold_within(m, sweep, chords.flanks[1], chords.lines, ahead, aside)
+        hold_within(
+            m, sweep.scale, chords.flanks[1], chords.grids[1], chords.lines[1], ahead, aside
+        )
         _turn_to_stamp(m, (turn[0], turn[1], turn[2], turn[3]), ahead, aside, xs, ys)
         _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, xs, places, parts)
         _find_lanes(m, ys, places, parts)

@@ -13,8 +13,8 @@ export interface Sizes {
   disc_rows: number;
   tuft_scratch: number;
   outline: number;
-  chords: { points: number[]; flanks: number[]; at: number[]; ends: number[]; lines: number[];
-    bands: number[] };
+  chords: { points: number[]; flanks: number[]; grids: number[]; cuts: number[]; sums: number[];
+    lines: number[]; bands: number[] };
   lines: number;
   profile_cells: number;
 }
@@ -83,8 +83,9 @@ export function makeScratch(
     chords: {
       points: zeros("f8", ...chords.points),
       flanks: zeros("f8", ...chords.flanks),
-      at: zeros("f8", ...chords.at),
-      ends: zeros("f8", ...chords.ends),
+      grids: zeros("f8", ...chords.grids),
+      cuts: zeros("f8", ...chords.cuts),
+      sums: zeros("f8", ...chords.sums),
       lines: zeros("f4", ...chords.lines),
       bands: zeros("f4", ...chords.bands),
     },
