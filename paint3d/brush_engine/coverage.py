@@ -107,12 +107,13 @@ def _per_way(a, b):
 def _mean_covered(a, b, per_way):
     """Mean of `_covered` while the edge's distance goes evenly from a to b: both antiderivatives.
 
-    Without a branch, for vector instructions.
+    Without a branch, for vector instructions. Of what it covers all the time nothing is rounded.
     """
     s, t = _HALF + a, _HALF + b
     u, v = min(_ONE, max(_ZERO, s)), min(_ONE, max(_ZERO, t))
     rise = _HALF * (v * v - u * u) + (max(t, _ONE) - max(s, _ONE))
-    return _covered(_HALF * (a + b)) if per_way == _ZERO else rise * per_way
+    by_middle = (per_way == _ZERO) | (min(s, t) >= _ONE)
+    return _covered(_HALF * (a + b)) if by_middle else rise * per_way
 
 
 @uncounted(error_model="numpy", forceinline=True)
@@ -382,12 +383,12 @@ def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover)
         low, high = (y - low_a) * per_box, (high_a - y) * per_box
         low_then, high_then = (y - low_b) * per_box, (high_b - y) * per_box
         within = _mean_covered(low, low_then, per_low) + _mean_covered(high, high_then, per_high)
-        weight = (within - _ONE) * mean
-        share[k] = weight * stretch[k] if weight > _NOTHING else _ZERO
         first = max(_ZERO, _covered(low) + _covered(high) - _ONE)
         last = max(_ZERO, _covered(low_then) + _covered(high_then) - _ONE)
         most = _most_covered(a, b, c, d, per_way, per_way_out, first, last)
         cover[k] = most if most > _NOTHING else _ZERO
+        weight = (within - _ONE) * mean
+        share[k] = weight * stretch[k] if min(weight, most) > _NOTHING else _ZERO
 
 
 @uncounted(error_model="numpy", forceinline=True)
