@@ -42,10 +42,11 @@ __all__ = [
 
 _MIDDLE = 1.5 * 2.0**52  # whole numbers near to it are apart by one
 _MOST_LINES = 1024  # a power of two
-_FINE_LINES, _FINE_PITCH = 8, 0.125  # lines across a small outline, and box widths from one to the
-_PITCH = 0.5  # next; and across others
+_FINE_LINES, _FINE_PITCH = 16, 0.125  # lines across a small outline, box widths from one to the
+_PITCH = 0.5  # next, and across others
 _NARROWEST = 1.0 / 64.0  # box widths: an outline counts as at least so broad
-_ROWS = 4  # cuts from a line to the next
+_ROWS = 2  # cuts from a line to the next
+_ROUND = 0.57  # with which a chord that grows like a root is as long on average
 _NOWHERE = 1e30  # mm
 _NOTHING = np.float32(1e-5)  # share of a box: less may come of rounding
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
@@ -69,6 +70,7 @@ class Chords(NamedTuple):
     cuts: NDArray  # (4, _ROWS MOST_LINES + 1) float64, y of cuts through one, where they enter and
     # leave it, and what is worked in
     sums: NDArray  # (_ROWS MOST_LINES + 1, 4) float64, of what the cuts find, from the first on
+    nodes: NDArray  # (4, MOST_LINES) float64, what a table has of its lines
     lines: NDArray  # (2, MOST_LINES * _ROW) float32, the tables
     bands: NDArray  # (4, LEVELS * BANDS) float32: from where on a box may be covered on the way,
     # and to where, and from where to where it is all covered all the time
@@ -83,6 +85,7 @@ def make_chords() -> Chords:
         np.zeros((2, 3)),
         np.zeros((4, cuts)),
         np.zeros((cuts, 4)),
+        np.zeros((4, _MOST_LINES)),
         np.zeros((2, _MOST_LINES * _ROW), np.float32),
         np.zeros((4, LEVELS * BANDS), np.float32),
     )
@@ -212,13 +215,13 @@ def fill_chords(before, after, sweep, chords):
     for stamp in range(2):
         _fill_lines(
             points[stamp], flanks[stamp], 1.0 / sweep.scale, chords.grids[stamp], chords.cuts,
-            chords.sums, chords.lines[stamp],
+            chords.sums, chords.nodes, chords.lines[stamp],
         )  # fmt: skip
     _fill_bands(sweep, chords)
 
 
 @uncounted(error_model="numpy")
-def _fill_lines(points, flanks, box, grid, cuts, sums, lines):
+def _fill_lines(points, flanks, box, grid, cuts, sums, nodes, lines):
     """Fill a stamp's table; `box` is the width of a vertex's, mm.
 
     Lines lie evenly from flank to flank, and half a box beyond. The rows of a box are cuts between
@@ -226,37 +229,63 @@ def _fill_lines(points, flanks, box, grid, cuts, sums, lines):
     """
     breadth = max(flanks[2] - flanks[0], _NARROWEST * box)
     fine = min(_FINE_LINES, int(np.ceil(breadth / (_FINE_PITCH * box))))
-    inner = max(fine, int(np.ceil(breadth / (_PITCH * box))))
+    inner = max(2, max(fine, int(np.ceil(breadth / (_PITCH * box)))))
     inner = min(inner, _MOST_LINES - 4)
     apart = breadth / inner
     reach = max(1, int(np.round(0.5 * box / apart)))  # lines to half a box
     steps, n = inner + 2 * reach, inner * _ROWS
     grid[0], grid[1], grid[2] = flanks[0] - reach * apart, 1.0 / apart, steps
     _sum_cuts(points, flanks, n, apart / _ROWS, cuts, sums)
-    last_enters, last_leaves, last_steep, last_steep_out = 0.0, 0.0, 0.0, 0.0
-    for k in range(steps + 1):
-        first, end = max(0, (k - 2 * reach) * _ROWS), min(n, k * _ROWS)
-        if first < end:
-            part = 1.0 / (end - first)
-            enters = (sums[end, 0] - sums[first, 0]) * part
-            leaves = (sums[end, 2] - sums[first, 2]) * part
-            spread = max(0.0, (sums[end, 1] - sums[first, 1]) * part - enters * enters)
-            spread_out = max(0.0, (sums[end, 3] - sums[first, 3]) * part - leaves * leaves)
-        else:
-            enters = leaves = flanks[1] if k == 0 else flanks[3]
-            spread = spread_out = 0.0
-        # a straight slope's rows spread over its share of the box's width, by a twelfth of its
-        # square
-        steep = 1.0 / np.sqrt(box * box + 12.0 * spread)
-        steep_out = 1.0 / np.sqrt(box * box + 12.0 * spread_out)
-        if k > 0:
-            row = (k - 1) * _ROW
-            lines[row + _ENTERS], lines[row + _ENTERS_RISE] = last_enters, enters - last_enters
-            lines[row + _LEAVES], lines[row + _LEAVES_RISE] = last_leaves, leaves - last_leaves
-            lines[row + _STEEP], lines[row + _STEEP_RISE] = last_steep, steep - last_steep
-            lines[row + _STEEP_OUT] = last_steep_out
-            lines[row + _STEEP_OUT_RISE] = steep_out - last_steep_out
-        last_enters, last_leaves, last_steep, last_steep_out = enters, leaves, steep, steep_out
+    _find_ramps(steps, 2 * reach * _ROWS, n, box, sums, nodes)
+    for column in range(2):
+        ramp = nodes[column]
+        ramp[0] = _at_flank(flanks[1], ramp[1], ramp[2])
+        ramp[steps] = _at_flank(flanks[3], ramp[steps - 1], ramp[steps - 2])
+        nodes[2 + column, 0] = nodes[2 + column, steps] = 1.0 / box
+    for column in range(4):
+        node = nodes[column]
+        for k in range(steps):
+            lines[k * _ROW + 2 * column] = node[k]
+            lines[k * _ROW + 2 * column + 1] = node[k + 1] - node[k]
+
+
+@uncounted(error_model="numpy")
+def _find_ramps(steps, many, n, box, sums, nodes):
+    """Find the middles and steepnesses of ramps on the lines between the first and the last.
+
+    Parameters
+    ----------
+    steps : int
+    many, n : int
+        Rows of a box, and of the outline; the box of the first line ends where these begin.
+    box : float
+        Width of a box, mm.
+    sums : (n + 1, 4) float64
+    nodes : (4, steps or more) float64
+        Filled, but for the first and the last.
+    """
+    box2 = box * box
+    for k in range(1, steps):
+        end, first = min(n, k * _ROWS), max(0, k * _ROWS - many)
+        part = 1.0 / (end - first)
+        enters = (sums[end, 0] - sums[first, 0]) * part
+        leaves = (sums[end, 2] - sums[first, 2]) * part
+        spread = (sums[end, 1] - sums[first, 1]) * part - enters * enters
+        spread_out = (sums[end, 3] - sums[first, 3]) * part - leaves * leaves
+        nodes[0, k], nodes[1, k] = enters, leaves
+        # what lies evenly over a width spreads by a twelfth of its square
+        nodes[2, k] = 1.0 / np.sqrt(box2 + 12.0 * max(0.0, spread))
+        nodes[3, k] = 1.0 / np.sqrt(box2 + 12.0 * max(0.0, spread_out))
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _at_flank(flank, near, far):
+    """From where at a flank an end of a chord goes straight to where it is near by, on average.
+
+    A corner's chord grows evenly from the flank, as the next two tell, and a round one like a root.
+    """
+    grown = _ROUND * (2.0 * (near - flank) - (far - flank))
+    return flank + grown if grown * (near - flank) > 0.0 else flank
 
 
 @uncounted(error_model="numpy")
@@ -273,6 +302,9 @@ def _sum_cuts(points, flanks, n, apart, cuts, sums):
     for k in range(n + 1):
         if enters[k] > leaves[k]:
             enters[k] = leaves[k] = flanks[1] if 2 * k < n else flanks[3]
+    for ends in (enters, leaves):
+        ends[0] = _at_flank(flanks[1], ends[1], ends[2])
+        ends[n] = _at_flank(flanks[3], ends[n - 1], ends[n - 2])
     sums[0] = 0.0
     for k in range(n):
         a, b, c, d = enters[k], enters[k + 1], leaves[k], leaves[k + 1]

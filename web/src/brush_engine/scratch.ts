@@ -14,7 +14,7 @@ export interface Sizes {
   tuft_scratch: number;
   outline: number;
   chords: { points: number[]; flanks: number[]; grids: number[]; cuts: number[]; sums: number[];
-    lines: number[]; bands: number[] };
+    nodes: number[]; lines: number[]; bands: number[] };
   lines: number;
   profile_cells: number;
 }
@@ -86,6 +86,7 @@ export function makeScratch(
       grids: zeros("f8", ...chords.grids),
       cuts: zeros("f8", ...chords.cuts),
       sums: zeros("f8", ...chords.sums),
+      nodes: zeros("f8", ...chords.nodes),
       lines: zeros("f4", ...chords.lines),
       bands: zeros("f4", ...chords.bands),
     },
