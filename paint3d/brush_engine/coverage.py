@@ -54,11 +54,13 @@ BANDS, LEVELS = 64, 7  # bands of neighbouring lines, and of these spans of 1, 2
 _HALF = np.float32(0.5)
 _ONE = np.float32(1.0)
 _ZERO = np.float32(0.0)
-# Columns of a table: a number between a line and the next is first + rise x part. Where the middle
-# of each ramp lies, mm, and how many box widths to the mm along the way it is steep.
-_ENTERS, _ENTERS_RISE, _LEAVES, _LEAVES_RISE = range(4)
-_STEEP, _STEEP_RISE, _STEEP_OUT, _STEEP_OUT_RISE = range(4, 8)
+# Columns of a table, bits: where the middle of each ramp lies on a line, mm; and pairs of halves
+# (the upper halves of two float32), for both ramps: how much farther it lies on the next, how many
+# box widths to the mm along the way they are steep, and how much steeper they are on the next.
+_ENTERS, _LEAVES, _RISES, _STEEPS, _STEEP_RISES = range(5)
 _ROW = 8
+_UPPER, _ROUNDS, _HALF_BITS = np.uint32(0xFFFF0000), np.uint32(0x8000), np.uint32(16)
+_SLACK = 0.01  # of a half's number, more than it is rounded by
 
 
 class Chords(NamedTuple):
@@ -70,8 +72,8 @@ class Chords(NamedTuple):
     cuts: NDArray  # (4, _ROWS MOST_LINES + 1) float64, y of cuts through one, where they enter and
     # leave it, and what is worked in
     sums: NDArray  # (_ROWS MOST_LINES + 1, 4) float64, of what the cuts find, from the first on
-    nodes: NDArray  # (4, MOST_LINES) float64, what a table has of its lines
-    lines: NDArray  # (2, MOST_LINES * _ROW) float32, the tables
+    nodes: NDArray  # (2, 4, MOST_LINES) float64, where ramps of lines lie and how steep they are
+    lines: NDArray  # (2, MOST_LINES * _ROW) uint32, the tables
     bands: NDArray  # (4, LEVELS * BANDS) float32: from where on a box may be covered on the way,
     # and to where, and from where to where it is all covered all the time
 
@@ -85,8 +87,8 @@ def make_chords() -> Chords:
         np.zeros((2, 3)),
         np.zeros((4, cuts)),
         np.zeros((cuts, 4)),
-        np.zeros((4, _MOST_LINES)),
-        np.zeros((2, _MOST_LINES * _ROW), np.float32),
+        np.zeros((2, 4, _MOST_LINES)),
+        np.zeros((2, _MOST_LINES * _ROW), np.uint32),
         np.zeros((4, LEVELS * BANDS), np.float32),
     )
 
@@ -215,7 +217,7 @@ def fill_chords(before, after, sweep, chords):
     for stamp in range(2):
         _fill_lines(
             points[stamp], flanks[stamp], 1.0 / sweep.scale, chords.grids[stamp], chords.cuts,
-            chords.sums, chords.nodes, chords.lines[stamp],
+            chords.sums, chords.nodes[stamp], chords.lines[stamp],
         )  # fmt: skip
     _fill_bands(sweep, chords)
 
@@ -242,11 +244,38 @@ def _fill_lines(points, flanks, box, grid, cuts, sums, nodes, lines):
         ramp[0] = _at_flank(flanks[1], ramp[1], ramp[2])
         ramp[steps] = _at_flank(flanks[3], ramp[steps - 1], ramp[steps - 2])
         nodes[2 + column, 0] = nodes[2 + column, steps] = 1.0 / box
-    for column in range(4):
-        node = nodes[column]
-        for k in range(steps):
-            lines[k * _ROW + 2 * column] = node[k]
-            lines[k * _ROW + 2 * column + 1] = node[k + 1] - node[k]
+    _write_lines(steps, nodes[0], nodes[1], nodes[2], nodes[3], lines)
+
+
+@uncounted(error_model="numpy", apart=True)
+def _write_lines(steps, enters, leaves, steep, steep_out, lines):
+    """Write a table of lines from its nodes."""
+    for k in range(steps):
+        row = k * _ROW
+        lines[row + _ENTERS] = np.float32(enters[k]).view(np.uint32)
+        lines[row + _LEAVES] = np.float32(leaves[k]).view(np.uint32)
+        lines[row + _RISES] = _pair(enters[k + 1] - enters[k], leaves[k + 1] - leaves[k])
+        lines[row + _STEEPS] = _pair(steep[k], steep_out[k])
+        lines[row + _STEEP_RISES] = _pair(steep[k + 1] - steep[k], steep_out[k + 1] - steep_out[k])
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _pair(one, other):
+    """Two numbers as halves, in one."""
+    upper = np.uint32(np.float32(one).view(np.uint32) + _ROUNDS) & _UPPER
+    return upper | (np.uint32(np.float32(other).view(np.uint32) + _ROUNDS) >> _HALF_BITS)
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _first(pair):
+    """The first of a pair of halves."""
+    return np.uint32(pair & _UPPER).view(np.float32)
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _second(pair):
+    """The second of a pair of halves."""
+    return np.uint32(pair << _HALF_BITS).view(np.float32)
 
 
 @uncounted(error_model="numpy")
@@ -327,20 +356,19 @@ def _fill_bands(sweep, chords):
     sweep.first, sweep.per_mm = first, per_mm
     bands[0], bands[1], bands[2], bands[3] = _NOWHERE, -_NOWHERE, -_NOWHERE, _NOWHERE
     for stamp in range(2):
-        lines, grid = chords.lines[stamp], chords.grids[stamp]
+        nodes, grid = chords.nodes[stamp], chords.grids[stamp]
         steps, shift = int(grid[2]), (grid[0] - first) * per_mm
         to_bands = per_mm / grid[1]
         for j in range(steps):
-            row = j * _ROW
-            enters, leaves = lines[row + _ENTERS], lines[row + _LEAVES]
-            rise, rise_out = lines[row + _ENTERS_RISE], lines[row + _LEAVES_RISE]
-            steep, steep_out = lines[row + _STEEP], lines[row + _STEEP_OUT]
-            steep = _HALF / (steep + min(_ZERO, lines[row + _STEEP_RISE]))
-            steep_out = _HALF / (steep_out + min(_ZERO, lines[row + _STEEP_OUT_RISE]))
-            least = enters + min(_ZERO, rise) - steep
-            most = leaves + max(_ZERO, rise_out) + steep_out
-            whole_from = enters + max(_ZERO, rise) + steep
-            whole_to = leaves + min(_ZERO, rise_out) - steep_out
+            enters, enters_next = nodes[0, j], nodes[0, j + 1]
+            leaves, leaves_next = nodes[1, j], nodes[1, j + 1]
+            wide = (0.5 + _SLACK) / min(nodes[2, j], nodes[2, j + 1])
+            wide += _SLACK * abs(enters_next - enters)
+            wide_out = (0.5 + _SLACK) / min(nodes[3, j], nodes[3, j + 1])
+            wide_out += _SLACK * abs(leaves_next - leaves)
+            least, most = min(enters, enters_next) - wide, max(leaves, leaves_next) + wide_out
+            whole_from = max(enters, enters_next) + wide
+            whole_to = min(leaves, leaves_next) - wide_out
             begin = max(0, int(shift + j * to_bands)) if j > 0 else 0
             end = min(BANDS, int(shift + (j + 1) * to_bands) + 1) if j + 1 < steps else BANDS
             for band in range(begin, end):
@@ -362,6 +390,34 @@ def _fill_bands(sweep, chords):
             bands[3, here + band] = min(bands[3, below + band], bands[3, below + other])
 
 
+@uncounted(error_model="numpy", forceinline=True)
+def _look_up(y, first, per_mm, last):
+    """Where the line before a place begins in a stamp's table, and how far from it the place is."""
+    at = min(max((y - first) * per_mm, _ZERO), last)
+    line = np.int32(at)
+    return (np.uint32(line) & np.uint32(_MOST_LINES - 1)) * np.uint32(_ROW), at - np.float32(line)
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _ends(i, part, lines):
+    """Where the middles of both ramps lie."""
+    rises = lines[i + np.uint32(_RISES)]
+    enters = np.uint32(lines[i + np.uint32(_ENTERS)]).view(np.float32) + part * _first(rises)
+    leaves = np.uint32(lines[i + np.uint32(_LEAVES)]).view(np.float32) + part * _second(rises)
+    return enters, leaves
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _distances(x, y, first, per_mm, last, lines):
+    """Distances (box widths) of a place to both ramps of a stamp."""
+    i, part = _look_up(y, first, per_mm, last)
+    enters, leaves = _ends(i, part, lines)
+    steeps, rises = lines[i + np.uint32(_STEEPS)], lines[i + np.uint32(_STEEP_RISES)]
+    steep = _first(steeps) + part * _first(rises)
+    steep_out = _second(steeps) + part * _second(rises)
+    return (x - enters) * steep, (leaves - x) * steep_out
+
+
 @uncounted(error_model="numpy", apart=True)
 def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover):
     """Time-mean share for the ink, and greatest share covered, of vertices.
@@ -375,7 +431,7 @@ def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover)
         Box widths to the mm.
     flanks, grids : (2, 4) and (2, 3) float64
         Of `fill_chords`.
-    before, after : (MOST_LINES * _ROW,) float32
+    before, after : (MOST_LINES * _ROW,) uint32
         The tables of both stamps.
     xs, ys, stretch : (n or more,) float32
         Where vertices lie along the way and across, mm, and how many times their area the plane's
@@ -383,7 +439,7 @@ def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover)
     share, cover : (n or more,) float32
         Filled.
     """
-    row, mask, per_box = np.uint32(_ROW), np.uint32(_MOST_LINES - 1), np.float32(scale)
+    per_box = np.float32(scale)
     from_a, per_mm_a, last_a = _grid(grids[0])
     from_b, per_mm_b, last_b = _grid(grids[1])
     low_a, high_a = np.float32(flanks[0, 0]), np.float32(flanks[0, 2])
@@ -392,24 +448,8 @@ def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover)
     per_high = _per_way(high_a * per_box, high_b * per_box)
     for k in range(n):
         x, y = xs[k], ys[k]
-        at = min(max((y - from_a) * per_mm_a, _ZERO), last_a)
-        line = np.int32(at)
-        i, part = (np.uint32(line) & mask) * row, at - np.float32(line)
-        enters = before[i + np.uint32(_ENTERS)] + part * before[i + np.uint32(_ENTERS_RISE)]
-        leaves = before[i + np.uint32(_LEAVES)] + part * before[i + np.uint32(_LEAVES_RISE)]
-        steep = before[i + np.uint32(_STEEP)] + part * before[i + np.uint32(_STEEP_RISE)]
-        steep_out = (
-            before[i + np.uint32(_STEEP_OUT)] + part * before[i + np.uint32(_STEEP_OUT_RISE)]
-        )
-        a, c = (x - enters) * steep, (leaves - x) * steep_out
-        at = min(max((y - from_b) * per_mm_b, _ZERO), last_b)
-        line = np.int32(at)
-        i, part = (np.uint32(line) & mask) * row, at - np.float32(line)
-        enters = after[i + np.uint32(_ENTERS)] + part * after[i + np.uint32(_ENTERS_RISE)]
-        leaves = after[i + np.uint32(_LEAVES)] + part * after[i + np.uint32(_LEAVES_RISE)]
-        steep = after[i + np.uint32(_STEEP)] + part * after[i + np.uint32(_STEEP_RISE)]
-        steep_out = after[i + np.uint32(_STEEP_OUT)] + part * after[i + np.uint32(_STEEP_OUT_RISE)]
-        b, d = (x - enters) * steep, (leaves - x) * steep_out
+        a, c = _distances(x, y, from_a, per_mm_a, last_a, before)
+        b, d = _distances(x, y, from_b, per_mm_b, last_b, after)
         per_way, per_way_out = _per_way(a, b), _per_way(c, d)
         mean = max(_ZERO, _mean_covered(a, b, per_way) + _mean_covered(c, d, per_way_out) - _ONE)
         low, high = (y - low_a) * per_box, (high_a - y) * per_box
@@ -438,13 +478,9 @@ def hold_within(n, scale, flanks, grid, lines, xs, ys):
     first, per_mm, last = _grid(grid)
     half = np.float32(0.5 / scale)
     low, high = np.float32(flanks[0]) - half, np.float32(flanks[2]) + half
-    row, mask = np.uint32(_ROW), np.uint32(_MOST_LINES - 1)
     for k in range(n):
-        at = min(max((ys[k] - first) * per_mm, _ZERO), last)
-        line = np.int32(at)
-        i, part = (np.uint32(line) & mask) * row, at - np.float32(line)
-        enters = lines[i + np.uint32(_ENTERS)] + part * lines[i + np.uint32(_ENTERS_RISE)]
-        leaves = lines[i + np.uint32(_LEAVES)] + part * lines[i + np.uint32(_LEAVES_RISE)]
+        i, part = _look_up(ys[k], first, per_mm, last)
+        enters, leaves = _ends(i, part, lines)
         xs[k] = min(max(xs[k], enters - half), leaves + half)
         ys[k] = min(max(ys[k], low), high)
 

@@ -87,7 +87,7 @@ export function makeScratch(
       cuts: zeros("f8", ...chords.cuts),
       sums: zeros("f8", ...chords.sums),
       nodes: zeros("f8", ...chords.nodes),
-      lines: zeros("f4", ...chords.lines),
+      lines: zeros("u4", ...chords.lines),
       bands: zeros("f4", ...chords.bands),
     },
     part: zeros("f8", nPigments),
