@@ -1,39 +1,96 @@
 """How much of a vertex's own small box a sweeping footprint covers, and for how long.
 
-Guo 2017 asks whether a vertex lies inside the outline. Here it is asked for how long: the vertex's
-distance to the moving outline is followed between the two stamps, and its share of the ink is the
-mean share of its box that was covered meanwhile. That closes the gaps between samples (Guo 2015,
-section 3.2), does not darken with the sampling rate, and draws edges finer than the vertices.
+Guo 2017 asks whether a vertex lies inside the outline. Here it is asked for how long: its share of
+the ink is the mean share of its box that was covered on the way between the two stamps. That closes
+the gaps between samples (Guo 2015, section 3.2), does not darken with the sampling rate, and draws
+edges finer than the vertices.
 
-Distances are in widths of the box, positive inside. Everything runs over blocks of vertices in
-single precision, loop by loop, so that the compiler can use vector instructions; only the look-up
-in the outline's profile and the packing of what is left over are done vertex by vertex.
+Both outlines are cut into lines along the way, half a box apart. What an outline covers of a box on
+a line lies between two ramps: each has the middle and the spread of where the box's rows meet the
+outline, so that curved edges, corners and tips are drawn as they are. One table of lines is made
+for each stamp, and every vertex looks its line up once in both, in vector instructions. From the
+stamp before to the stamp after its distances to the ramps go evenly, and so do those to the flanks,
+the outline's farthest points across the way: how long a box was behind each, how long within all,
+and how much of it at the most are closed forms.
+
+Distances are in widths of the box, positive inside; x runs along the way and y across.
 """
 
 from __future__ import annotations
 
-import numpy as np
+from typing import NamedTuple
 
-from paint3d.brush_engine.footprint import LAST_PLACE, PROFILE_CELLS, profile_cell
+import numpy as np
+from numpy.typing import NDArray
+
+from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.core.kernel import uncounted
 from paint3d.mesh.kernels.mesh_arrays import as_index
 
-__all__ = ["ROWS", "WORK_ROWS", "fetch", "weigh_block", "weigh_passing", "weighed_area"]
+__all__ = [
+    "BANDS",
+    "LEVELS",
+    "Chords",
+    "cut_outline",
+    "fetch",
+    "fill_chords",
+    "hold_within",
+    "make_chords",
+    "weigh",
+    "weighed_area",
+]
 
 _MIDDLE = 1.5 * 2.0**52  # whole numbers near to it are apart by one
-ROWS = 7  # float32 rows of a block's length: plane x, y and stretch of each vertex, and its
-# distances at the stamp before and at the stamp after, to the near side and to the far side
-WORK_ROWS = 14  # of the same, that `weigh_block` works in: rows 6 and 7 are share and cover
-_SLOW = np.float32(4.0)  # box widths: an edge that passes faster passes as good as straight
-_NEAR = 1.5  # times as far as the outline moved: distances beyond its ends are no true ones
+_MOST_LINES = 1024  # a power of two
+_FINE_LINES, _FINE_PITCH = 16, 0.125  # lines across a small outline, box widths from one to the
+_PITCH = 0.5  # next, and across others
+_NARROWEST = 1.0 / 64.0  # box widths: an outline counts as at least so broad
+_ROWS = 2  # cuts from a line to the next
+_ROUND = 0.57  # with which a chord that grows like a root is as long on average
+_NOWHERE = 1e30  # mm
+_NOTHING = np.float32(1e-5)  # share of a box: less may come of rounding
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
-_NOT, _WHOLE, _STRAIGHT, _SLOWLY = np.uint8(0), np.uint8(1), np.uint8(2), np.uint8(4)
-_NONE = np.uint64(0)  # of eight; and where each of eight is of a kind, as one number:
-_WHOLES = np.uint64(0x0101010101010101)
-_STRAIGHTS, _SLOW_ONES = np.uint64(2) * _WHOLES, np.uint64(4) * _WHOLES
+BANDS, LEVELS = 64, 7  # bands of neighbouring lines, and of these spans of 1, 2, 4 to 64
 _HALF = np.float32(0.5)
 _ONE = np.float32(1.0)
 _ZERO = np.float32(0.0)
+# Columns of a table, bits: where the middle of each ramp lies on a line, mm; and pairs of halves
+# (the upper halves of two float32), for both ramps: how much farther it lies on the next, how many
+# box widths to the mm along the way they are steep, and how much steeper they are on the next.
+_ENTERS, _LEAVES, _RISES, _STEEPS, _STEEP_RISES = range(5)
+_ROW = 8
+_UPPER, _ROUNDS, _HALF_BITS = np.uint32(0xFFFF0000), np.uint32(0x8000), np.uint32(16)
+_SLACK = 0.01  # of a half's number, more than it is rounded by
+
+
+class Chords(NamedTuple):
+    """Scratch of a sweep's two tables of lines; places along and across the way, mm."""
+
+    points: NDArray  # (2, 2, PROFILE_CELLS + 1, 2) float64, both sides of both stamps' outlines
+    flanks: NDArray  # (2, 4) float64, y and x of their lowest points, and of their highest
+    grids: NDArray  # (2, 3) float64, y of the first line, lines to the mm, steps to the last line
+    cuts: NDArray  # (4, _ROWS MOST_LINES + 1) float64, y of cuts through one, where they enter and
+    # leave it, and what is worked in
+    sums: NDArray  # (_ROWS MOST_LINES + 1, 4) float64, of what the cuts find, from the first on
+    nodes: NDArray  # (2, 4, MOST_LINES) float64, where ramps of lines lie and how steep they are
+    lines: NDArray  # (2, MOST_LINES * _ROW) uint32, the tables
+    bands: NDArray  # (4, LEVELS * BANDS) float32: from where on a box may be covered on the way,
+    # and to where, and from where to where it is all covered all the time
+
+
+def make_chords() -> Chords:
+    """Scratch for the lines of a sweep."""
+    cuts = _ROWS * _MOST_LINES + 1
+    return Chords(
+        np.zeros((2, 2, PROFILE_CELLS + 1, 2)),
+        np.zeros((2, 4)),
+        np.zeros((2, 3)),
+        np.zeros((4, cuts)),
+        np.zeros((cuts, 4)),
+        np.zeros((2, 4, _MOST_LINES)),
+        np.zeros((2, _MOST_LINES * _ROW), np.uint32),
+        np.zeros((4, LEVELS * BANDS), np.float32),
+    )
 
 
 @uncounted(error_model="numpy", forceinline=True)
@@ -43,477 +100,405 @@ def _covered(edge):
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _mean_covered(a, b):
+def _per_way(a, b):
+    """One over the way of an edge whose distance goes from a to b; 0 where it stands still."""
+    way = b - a
+    still = abs(way) < _STILL
+    per_way = _ONE / (_ONE if still else way)
+    return _ZERO if still else per_way
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _mean_covered(a, b, per_way):
     """Mean of `_covered` while the edge's distance goes evenly from a to b: both antiderivatives.
 
-    Without a branch, for vector instructions.
+    Without a branch, for vector instructions. Of what it covers all the time nothing is rounded.
     """
     s, t = _HALF + a, _HALF + b
     u, v = min(_ONE, max(_ZERO, s)), min(_ONE, max(_ZERO, t))
-    way = t - s
     rise = _HALF * (v * v - u * u) + (max(t, _ONE) - max(s, _ONE))
-    still = abs(way) < _STILL
-    mean = rise / (_ONE if still else way)
-    return _covered(_HALF * (a + b)) if still else mean
-
-
-@uncounted(error_model="numpy", apart=True)
-def _place_block(n, rows, stand, spots):
-    """Where vertices of the plane lie on a stamp's profile: rows of place (cells), side and beyond.
-
-    The profile is read at its nearer end beyond its ends, `beyond` is the way beyond; sides, with
-    their sign, and ways in mm. `stand` (6,) is how the outline stands: the turn that carries plane
-    coordinates to the stamp's own, (x - ox, y - oy) turned by (c, s), and where heel and tip are.
-    """
-    xs, ys = rows[0], rows[1]
-    places, sides, beyond = spots[0], spots[1], spots[2]
-    turn_x, turn_y, cosine, sine, heel, tip = stand
-    ox, oy = np.float32(turn_x), np.float32(turn_y)
-    c, s = np.float32(cosine), np.float32(sine)
-    first, last = np.float32(heel), np.float32(tip)
-    per_step = np.float32(PROFILE_CELLS / (tip - heel))
-    top = np.float32(LAST_PLACE)
-    for k in range(n):
-        u = xs[k] - ox
-        v = ys[k] - oy
-        x = c * u + s * v
-        places[k] = min(max((x - first) * per_step, _ZERO), top)
-        beyond[k] = max(_ZERO, max(first - x, x - last))
-        sides[k] = c * v - s * u
-
-
-@uncounted(error_model="numpy")
-def _after(sweep):
-    """How the outline stands at the end of the way."""
-    turn = sweep.to_after
-    return turn[0], turn[1], turn[2], turn[3], sweep.after_heel, sweep.after_tip
-
-
-@uncounted(error_model="numpy")
-def _before(sweep):
-    """How the outline stands at its beginning."""
-    turn = sweep.to_before
-    return turn[0], turn[1], turn[2], turn[3], sweep.before_heel, sweep.before_tip
-
-
-@uncounted(error_model="numpy")
-def _part_way(sweep, part):
-    """How it stands after so many parts of the way; after 0: half the way."""
-    row = sweep.between[part]
-    return row[0], row[1], row[2], row[3], row[4], row[5]
-
-
-@uncounted(error_model="numpy", apart=True)
-def _stamp_edges(n, spots, lines, scale, inner, far):
-    """Signed distances (box widths) to the near and to the far side of one stamp's outline."""
-    places, sides, beyond = spots[0], spots[1], spots[2]
-    starts, rises, steep = lines[0], lines[1], lines[2]
-    factor = np.float32(scale)
-    for k in range(n):
-        at = places[k]
-        i = profile_cell(at)
-        width, steepness = starts[i] + at * rises[i], steep[i]
-        side = abs(sides[k])
-        inner[k] = ((width - side) * steepness - beyond[k]) * factor
-        far[k] = ((width + side) * steepness - beyond[k]) * factor
-
-
-@uncounted(error_model="numpy", apart=True)
-def _way_edges(n, spots, sweep, back, inner, far):
-    """`_stamp_edges` for the outline a share `back` of the way before its end."""
-    places, sides, beyond = spots[0], spots[1], spots[2]
-    lines, before = sweep.after.lines, sweep.before.lines
-    starts, rises, steep = lines[0], lines[1], lines[2]
-    starts_before, rises_before, steep_before = before[0], before[1], before[2]
-    then = np.float32(back)
-    now = np.float32(1.0 - back)
-    factor = np.float32(sweep.values[0].scale)
-    for k in range(n):
-        at = places[k]
-        i = profile_cell(at)
-        width = now * (starts[i] + at * rises[i])
-        width += then * (starts_before[i] + at * rises_before[i])
-        steepness = now * steep[i] + then * steep_before[i]
-        side = abs(sides[k])
-        inner[k] = ((width - side) * steepness - beyond[k]) * factor
-        far[k] = ((width + side) * steepness - beyond[k]) * factor
-
-
-@uncounted(error_model="numpy", apart=True)
-def _pack(n, near, ids, rows, packed_ids, packed):
-    """Copy the columns `near` of rows, and their ids, to the front of the packed ones."""
-    for i in range(n):
-        packed_ids[i] = ids[as_index(near[i])]
-    for row in range(ROWS):
-        source = rows[row]
-        target = packed[row]
-        for i in range(n):
-            target[i] = source[as_index(near[i])]
-
-
-@uncounted(error_model="numpy", apart=True)
-def _find_crossings(n, spots, later, sweep, back, crossings):
-    """When in a part of the way the outline's middle line passes over vertices, and how deep.
-
-    A pointed end that goes to the side is over a vertex for a moment, which need be none of those
-    that are looked at. `spots` and `later` are where vertices lie at the beginning and at the end
-    of the part, which stand `back` (2,) of the way before its end. Rows of `crossings`: the share
-    of the part, 0 where it does not pass over, the distance (box widths) to the edge then, which is
-    as far to both sides, and the place on the profile, cells.
-    """
-    a, b, lines, before = spots, later, sweep.after.lines, sweep.before.lines
-    starts, rises, steep = lines[0], lines[1], lines[2]
-    starts_before, rises_before, steep_before = before[0], before[1], before[2]
-    values, when, peak, where = sweep.values[0], crossings[0], crossings[1], crossings[2]
-    length = 0.5 * (values.after_tip - values.after_heel + values.before_tip - values.before_heel)
-    per_step, step = np.float32(PROFILE_CELLS / length), np.float32(length / PROFILE_CELLS)
-    middle, top = np.float32(0.5 * PROFILE_CELLS), np.float32(LAST_PLACE)
-    first, each, factor = (
-        np.float32(back[0]),
-        np.float32(back[1] - back[0]),
-        np.float32(values.scale),
-    )
-    for k in range(n):
-        way = a[1, k] - b[1, k]
-        passes = a[1, k] * b[1, k] < _ZERO
-        t = a[1, k] / (way if passes else _ONE)
-        begin = a[0, k] + (a[2, k] if a[0, k] > middle else -a[2, k]) * per_step
-        end = b[0, k] + (b[2, k] if b[0, k] > middle else -b[2, k]) * per_step
-        at = begin + t * (end - begin)
-        place = min(max(at, _ZERO), top)
-        i = profile_cell(place)
-        then = first + t * each
-        now = _ONE - then
-        width = now * (starts[i] + place * rises[i])
-        width += then * (starts_before[i] + place * rises_before[i])
-        steepness = now * steep[i] + then * steep_before[i]
-        when[k] = t if passes else _ZERO
-        peak[k] = (width * steepness - abs(at - place) * step) * factor
-        where[k] = place
-
-
-@uncounted(error_model="numpy", apart=True)
-def _share_straight(n, a, b, share):
-    """Mean share covered of vertices that the edge passes evenly, between two distances."""
-    for k in range(n):
-        share[k] = _mean_covered(a[k], b[k])
-
-
-@uncounted(error_model="numpy", apart=True)
-def _add_part(n, when, peak, inner, far, last, share, cover):
-    """Add what a part of the way covers to the sum of shares, and to the greatest.
-
-    Of each vertex: its distance (box widths) at the part's beginning, `last`, which goes on to its
-    end, there to both sides, and when and how deep it was passed over meanwhile.
-    """
-    for k in range(n):
-        t, deep, a, b = when[k], peak[k], last[k], inner[k]  # read, used or not: no branch
-        top = deep if t > _ZERO else a
-        share[k] += t * _mean_covered(a, top) + (_ONE - t) * _mean_covered(top, b)
-        seen = _covered(b) + _covered(far[k]) - _ONE
-        passed = _covered(top) + _covered(top) - _ONE
-        cover[k] = max(cover[k], max(seen, passed if t > _ZERO else _ZERO))
-        last[k] = b
-
-
-@uncounted(error_model="numpy")
-def _follow(n, sweep, rows, work):
-    """Mean share covered, and the greatest, of vertices that the edge passes on a curve."""
-    a, b, values = rows[3], rows[4], sweep.values[0]
-    last, inner, far, spots, later = work[0], work[1], work[2], work[3:6], work[8:11]
-    share, cover, when, peak = work[6], work[7], work[11], work[12]
-    parts = int(values.parts)
-    each = np.float32(1.0 / parts)
-    _place_block(n, rows, _before(values), spots)
-    for k in range(n):
-        last[k] = a[k]
-        share[k] = _ZERO
-    for part in range(1, parts + 1):
-        if part < parts:
-            _place_block(n, rows, _part_way(sweep, part), later)
-            _way_edges(n, later, sweep, 1.0 - part / parts, inner, far)
-        else:
-            _place_block(n, rows, _after(values), later)
-            for k in range(n):
-                inner[k], far[k] = b[k], -_HALF  # the greatest share knows the end already
-        back = 1.0 - (part - 1) / parts, 1.0 - part / parts
-        _find_crossings(n, spots, later, sweep, back, work[11:14])
-        _add_part(n, when, peak, inner, far, last, share, cover)
-        spots, later = later, spots
-    for k in range(n):
-        share[k] *= each
-
-
-@uncounted(error_model="numpy")
-def _drop_far(n, sweep, rows, work, near, kept_ones):
-    """List which of those `near` the outline can reach on its way, by where it is half the way.
-
-    The rows are theirs, packed.
-    """
-    inner, far, spots = work[0], work[1], work[2:5]
-    a, b = rows[3], rows[4]
-    _place_block(n, rows, _part_way(sweep, 0), spots)
-    _way_edges(n, spots, sweep, 0.5, inner, far)
-    rise = np.float32(0.5 * sweep.values[0].end_rise)
-    kept = 0
-    for k in range(n):
-        kept_ones[kept] = near[k]
-        kept += np.int64(max(max(a[k], b[k]), inner[k] + rise) > -_HALF)
-    return kept
-
-
-@uncounted(error_model="numpy")
-def _append(n, block, found, at):
-    """Append the packed vertices with a share to those found; return how many these are then."""
-    ids, stretch = block.packed_ids, block.packed[2]
-    share, cover = block.work[6], block.work[7]
-    out_ids, out_share, out_cover = found.ids, found.share, found.cover
-    for k in range(n):
-        out_ids[at] = ids[k]
-        out_share[at] = share[k] * stretch[k]
-        out_cover[at] = cover[k]
-        at += np.int64(cover[k] > _ZERO)
-    return at
-
-
-@uncounted(error_model="numpy", apart=True)
-def _stamp_cover(n, rows, cover):
-    """Greatest share covered at the two stamps: whole where the middle of the box ever was."""
-    a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
-    for k in range(n):
-        now = _covered(b[k]) + _covered(far_b[k]) - _ONE
-        then = _covered(a[k]) + _covered(far_a[k]) - _ONE
-        cover[k] = _ONE if max(a[k], b[k]) >= _HALF else max(now, then)
+    by_middle = (per_way == _ZERO) | (min(s, t) >= _ONE)
+    return _covered(_HALF * (a + b)) if by_middle else rise * per_way
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _measure(n, sweep, block):
-    """Fill the vertices' distances at both stamps; those at one that does not touch are no others.
-
-    The first row of work keeps their places on the stamp that the brush comes from, if it touches.
-    """
-    rows, spots, values = block.rows, block.work[0:3], sweep.values[0]
-    a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
-    now, then, scale = values.after_touches, values.before_touches, values.scale
-    if now > 0.0:
-        _place_block(n, rows, _after(values), spots)
-        _stamp_edges(n, spots, sweep.after.lines, scale, b, far_b)
-    if then > 0.0:
-        _place_block(n, rows, _before(values), spots)
-        _stamp_edges(n, spots, sweep.before.lines, scale, a, far_a)
-    if now <= 0.0:
-        for k in range(n):
-            b[k] = a[k]
-            far_b[k] = far_a[k]
-    elif then <= 0.0:
-        for k in range(n):
-            a[k] = b[k]
-            far_a[k] = far_b[k]
+def _covered_at(t, a, b, c, d, first, last):
+    """Share of the box between two edges after a part of the way: see `_most_covered`."""
+    between = _covered(a + t * (b - a)) + _covered(c + t * (d - c)) - _ONE
+    return (first + t * (last - first)) * between
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _judge(n, sweep, block):
-    """Tell which vertices the sweep covers whole, which not, and which its edge passes, and how."""
-    a, b, places, kinds = block.rows[3], block.rows[4], block.work[0], block.kinds
-    curved = sweep.parts > 1.0
-    least = np.float32(-0.5 - sweep.rise)
-    least_at_end = np.float32(-0.5 - sweep.end_rise)
-    begin, end = np.float32(sweep.ends[0]), np.float32(PROFILE_CELLS - sweep.ends[1])
+def _most_covered(a, b, c, d, per_way, per_way_out, first, last):
+    """Greatest share of the box between two edges whose distances go from a to b, and c to d.
+
+    Of all of it there are shares that go from `first` to `last`. It is greatest at the beginning,
+    at the end, or where one of the edges has just passed over all of the box.
+    """
+    t = min(_ONE, max(_ZERO, (_HALF - a) * per_way))
+    t_out = min(_ONE, max(_ZERO, (_HALF - c) * per_way_out))
+    passed = _covered_at(t, a, b, c, d, first, last)
+    left = _covered_at(t_out, a, b, c, d, first, last)
+    begin = first * (_covered(a) + _covered(c) - _ONE)
+    end = last * (_covered(b) + _covered(d) - _ONE)
+    return max(max(_ZERO, max(passed, left)), max(begin, end))
+
+
+@uncounted(error_model="numpy")
+def _lay_outline(stamp, turn, points, flanks):
+    """Lay a stamp's outline along its way; `turn` is from there to the stamp's own coordinates."""
+    values, widths = stamp.values[0], stamp.half_widths
+    ox, oy, c, s = turn[0], turn[1], turn[2], turn[3]
+    step = (values.tip - values.heel) / PROFILE_CELLS
+    flanks[0], flanks[2] = _NOWHERE, -_NOWHERE
+    for i in range(PROFILE_CELLS + 1):
+        along = values.heel + i * step
+        for side in range(2):
+            across = widths[i] if side == 0 else -widths[i]
+            x, y = ox + c * along - s * across, oy + s * along + c * across
+            points[side, i, 0], points[side, i, 1] = x, y
+            if y < flanks[0]:
+                flanks[0], flanks[1] = y, x
+            if y > flanks[2]:
+                flanks[2], flanks[3] = y, x
+
+
+@uncounted(error_model="numpy")
+def cut_outline(points, at, n, per_mm, enters, leaves):
+    """Where lines along the way enter and leave an outline, mm; one that passes it by, never.
+
+    Parameters
+    ----------
+    points : (2, PROFILE_CELLS + 1, 2) float64
+    at : (n or more,) float64
+        y of the lines, rising.
+    n : int
+    per_mm : float
+        About how many there are to the mm.
+    enters, leaves : (n or more,) float64
+        Filled.
+    """
     for k in range(n):
-        low, high = min(a[k], b[k]), max(a[k], b[k])
-        at_end = (places[k] > end) | (places[k] < begin)
-        reached = (high > least) | (at_end & (high > least_at_end))
-        bent = curved & ((high < _HALF) | (high - low < _SLOW))
-        kind = _SLOWLY if bent else _STRAIGHT
-        kind = _WHOLE if low >= _HALF else kind
-        kinds[k] = kind if reached else _NOT
-    kinds[n : 8 * ((n + 7) // 8)] = _NOT
+        enters[k], leaves[k] = _NOWHERE, -_NOWHERE
+    for side in range(2):
+        for i in range(PROFILE_CELLS):
+            xa, ya = points[side, i, 0], points[side, i, 1]
+            xb, yb = points[side, i + 1, 0], points[side, i + 1, 1]
+            if ya > yb:
+                xa, ya, xb, yb = xb, yb, xa, ya
+            k = min(n, max(0, int((ya - at[0]) * per_mm)))
+            while k > 0 and at[k - 1] >= ya:
+                k -= 1
+            while k < n and at[k] < ya:
+                k += 1
+            slope = (xb - xa) / (yb - ya) if yb > ya else 0.0
+            while k < n and at[k] <= yb:
+                x = xa + (at[k] - ya) * slope
+                enters[k], leaves[k] = min(enters[k], x), max(leaves[k], x)
+                k += 1
 
 
-@uncounted(error_model="numpy", forceinline=True)
-def _sort(n, block, found, at):
-    """Append the vertices that are covered whole, and list the others by kind.
+@uncounted(error_model="numpy")
+def fill_chords(before, after, sweep, chords):
+    """Make both tables of a sweep's lines, and bands of them for judging many vertices at once.
 
-    Returns how many have been found then, and how many the edge passes straight, and slowly.
+    Parameters
+    ----------
+    before, after : Stamp
+        Where the way begins and ends; the same twice for a footprint that comes or goes.
+    sweep : record of SWEEP
+        Its turns and scale are filled; its bands are.
+    chords : Chords
+        Filled.
     """
-    ids, stretch, kinds, eights = block.ids, block.rows[2], block.kinds, block.eights
-    straight_ones, slow_ones = block.near[0], block.near[1]
-    out_ids, out_share, out_cover = found.ids, found.share, found.cover
-    straight, slow = 0, 0
-    for g in range((n + 7) // 8):
-        eight = eights[g]
-        if eight == _NONE:
-            continue
-        first = 8 * g
-        if eight == _WHOLES:
-            for k in range(8):
-                out_ids[at + k] = ids[first + k]
-                out_share[at + k] = stretch[first + k]
-                out_cover[at + k] = _ONE
-            at += 8
-            continue
-        last = min(n, first + 8)  # no branch for one: what comes cannot be foretold
-        if eight & _WHOLES != _NONE:
-            for k in range(first, last):
-                out_ids[at] = ids[k]
-                out_share[at] = stretch[k]
-                out_cover[at] = _ONE
-                at += np.int64(kinds[k] == _WHOLE)
-        if eight & _STRAIGHTS != _NONE:
-            for k in range(first, last):
-                straight_ones[straight] = k
-                straight += np.int64(kinds[k] == _STRAIGHT)
-        if eight & _SLOW_ONES != _NONE:
-            for k in range(first, last):
-                slow_ones[slow] = k
-                slow += np.int64(kinds[k] == _SLOWLY)
-    return at, straight, slow
+    points, flanks = chords.points, chords.flanks
+    _lay_outline(before, sweep.to_before, points[0], flanks[0])
+    _lay_outline(after, sweep.to_after, points[1], flanks[1])
+    for stamp in range(2):
+        _fill_lines(
+            points[stamp], flanks[stamp], 1.0 / sweep.scale, chords.grids[stamp], chords.cuts,
+            chords.sums, chords.nodes[stamp], chords.lines[stamp],
+        )  # fmt: skip
+    _fill_bands(sweep, chords)
+
+
+@uncounted(error_model="numpy")
+def _fill_lines(points, flanks, box, grid, cuts, sums, nodes, lines):
+    """Fill a stamp's table; `box` is the width of a vertex's, mm.
+
+    Lines lie evenly from flank to flank, and half a box beyond. The rows of a box are cuts between
+    lines; what of it lies beyond a flank has none.
+    """
+    breadth = max(flanks[2] - flanks[0], _NARROWEST * box)
+    fine = min(_FINE_LINES, int(np.ceil(breadth / (_FINE_PITCH * box))))
+    inner = max(2, max(fine, int(np.ceil(breadth / (_PITCH * box)))))
+    inner = min(inner, _MOST_LINES - 4)
+    apart = breadth / inner
+    reach = max(1, int(np.round(0.5 * box / apart)))  # lines to half a box
+    steps, n = inner + 2 * reach, inner * _ROWS
+    grid[0], grid[1], grid[2] = flanks[0] - reach * apart, 1.0 / apart, steps
+    _sum_cuts(points, flanks, n, apart / _ROWS, cuts, sums)
+    _find_ramps(steps, 2 * reach * _ROWS, n, box, sums, nodes)
+    for column in range(2):
+        ramp = nodes[column]
+        ramp[0] = _at_flank(flanks[1], ramp[1], ramp[2])
+        ramp[steps] = _at_flank(flanks[3], ramp[steps - 1], ramp[steps - 2])
+        nodes[2 + column, 0] = nodes[2 + column, steps] = 1.0 / box
+    _write_lines(steps, nodes[0], nodes[1], nodes[2], nodes[3], lines)
+
+
+@uncounted(error_model="numpy", apart=True)
+def _write_lines(steps, enters, leaves, steep, steep_out, lines):
+    """Write a table of lines from its nodes."""
+    for k in range(steps):
+        row = k * _ROW
+        lines[row + _ENTERS] = np.float32(enters[k]).view(np.uint32)
+        lines[row + _LEAVES] = np.float32(leaves[k]).view(np.uint32)
+        lines[row + _RISES] = _pair(enters[k + 1] - enters[k], leaves[k + 1] - leaves[k])
+        lines[row + _STEEPS] = _pair(steep[k], steep_out[k])
+        lines[row + _STEEP_RISES] = _pair(steep[k + 1] - steep[k], steep_out[k + 1] - steep_out[k])
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def weigh_block(n, sweep, block, found, at):
-    """Time-mean share for the ink, and greatest share covered, of the vertices of a block.
+def _pair(one, other):
+    """Two numbers as halves, in one."""
+    upper = np.uint32(np.float32(one).view(np.uint32) + _ROUNDS) & _UPPER
+    return upper | (np.uint32(np.float32(other).view(np.uint32) + _ROUNDS) >> _HALF_BITS)
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _first(pair):
+    """The first of a pair of halves."""
+    return np.uint32(pair & _UPPER).view(np.float32)
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _second(pair):
+    """The second of a pair of halves."""
+    return np.uint32(pair << _HALF_BITS).view(np.float32)
+
+
+@uncounted(error_model="numpy")
+def _find_ramps(steps, many, n, box, sums, nodes):
+    """Find the middles and steepnesses of ramps on the lines between the first and the last.
+
+    Parameters
+    ----------
+    steps : int
+    many, n : int
+        Rows of a box, and of the outline; the box of the first line ends where these begin.
+    box : float
+        Width of a box, mm.
+    sums : (n + 1, 4) float64
+    nodes : (4, steps or more) float64
+        Filled, but for the first and the last.
+    """
+    box2 = box * box
+    for k in range(1, steps):
+        end, first = min(n, k * _ROWS), max(0, k * _ROWS - many)
+        part = 1.0 / (end - first)
+        enters = (sums[end, 0] - sums[first, 0]) * part
+        leaves = (sums[end, 2] - sums[first, 2]) * part
+        spread = (sums[end, 1] - sums[first, 1]) * part - enters * enters
+        spread_out = (sums[end, 3] - sums[first, 3]) * part - leaves * leaves
+        nodes[0, k], nodes[1, k] = enters, leaves
+        # what lies evenly over a width spreads by a twelfth of its square
+        nodes[2, k] = 1.0 / np.sqrt(box2 + 12.0 * max(0.0, spread))
+        nodes[3, k] = 1.0 / np.sqrt(box2 + 12.0 * max(0.0, spread_out))
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _at_flank(flank, near, far):
+    """From where at a flank an end of a chord goes straight to where it is near by, on average.
+
+    A corner's chord grows evenly from the flank, as the next two tell, and a round one like a root.
+    """
+    grown = _ROUND * (2.0 * (near - flank) - (far - flank))
+    return flank + grown if grown * (near - flank) > 0.0 else flank
+
+
+@uncounted(error_model="numpy")
+def _sum_cuts(points, flanks, n, apart, cuts, sums):
+    """Sum where n + 1 cuts from flank to flank enter and leave an outline, and their squares.
+
+    From one to the next both go straight.
+    """
+    at, enters, leaves = cuts[0], cuts[1], cuts[2]
+    for k in range(n):
+        at[k] = flanks[0] + k * apart
+    at[n] = flanks[2]
+    cut_outline(points, at, n + 1, 1.0 / apart, enters, leaves)
+    for k in range(n + 1):
+        if enters[k] > leaves[k]:
+            enters[k] = leaves[k] = flanks[1] if 2 * k < n else flanks[3]
+    for ends in (enters, leaves):
+        ends[0] = _at_flank(flanks[1], ends[1], ends[2])
+        ends[n] = _at_flank(flanks[3], ends[n - 1], ends[n - 2])
+    sums[0] = 0.0
+    for k in range(n):
+        a, b, c, d = enters[k], enters[k + 1], leaves[k], leaves[k + 1]
+        sums[k + 1, 0] = sums[k, 0] + 0.5 * (a + b)
+        sums[k + 1, 1] = sums[k, 1] + (a * a + a * b + b * b) * (1.0 / 3.0)
+        sums[k + 1, 2] = sums[k, 2] + 0.5 * (c + d)
+        sums[k + 1, 3] = sums[k, 3] + (c * c + c * d + d * d) * (1.0 / 3.0)
+
+
+@uncounted(error_model="numpy")
+def _fill_bands(sweep, chords):
+    """Fill the bands from the tables, and spans of two, four to all of them.
+
+    Boxes beyond all lines of a stamp are asked of its last.
+    """
+    flanks, bands = chords.flanks, chords.bands
+    half = 0.5 / sweep.scale
+    first = min(flanks[0, 0], flanks[1, 0]) - half
+    per_mm = BANDS / (max(flanks[0, 2], flanks[1, 2]) + half - first)
+    sweep.first, sweep.per_mm = first, per_mm
+    bands[0], bands[1], bands[2], bands[3] = _NOWHERE, -_NOWHERE, -_NOWHERE, _NOWHERE
+    for stamp in range(2):
+        nodes, grid = chords.nodes[stamp], chords.grids[stamp]
+        steps, shift = int(grid[2]), (grid[0] - first) * per_mm
+        to_bands = per_mm / grid[1]
+        for j in range(steps):
+            enters, enters_next = nodes[0, j], nodes[0, j + 1]
+            leaves, leaves_next = nodes[1, j], nodes[1, j + 1]
+            wide = (0.5 + _SLACK) / min(nodes[2, j], nodes[2, j + 1])
+            wide += _SLACK * abs(enters_next - enters)
+            wide_out = (0.5 + _SLACK) / min(nodes[3, j], nodes[3, j + 1])
+            wide_out += _SLACK * abs(leaves_next - leaves)
+            least, most = min(enters, enters_next) - wide, max(leaves, leaves_next) + wide_out
+            whole_from = max(enters, enters_next) + wide
+            whole_to = min(leaves, leaves_next) - wide_out
+            begin = max(0, int(shift + j * to_bands)) if j > 0 else 0
+            end = min(BANDS, int(shift + (j + 1) * to_bands) + 1) if j + 1 < steps else BANDS
+            for band in range(begin, end):
+                bands[0, band] = min(bands[0, band], least)
+                bands[1, band] = max(bands[1, band], most)
+                bands[2, band] = max(bands[2, band], whole_from)
+                bands[3, band] = min(bands[3, band], whole_to)
+    low, high = max(flanks[0, 0], flanks[1, 0]) + half, min(flanks[0, 2], flanks[1, 2]) - half
+    for band in range(BANDS):
+        if first + band / per_mm < low or first + (band + 1) / per_mm > high:
+            bands[2, band], bands[3, band] = _NOWHERE, -_NOWHERE
+    for level in range(1, LEVELS):
+        apart, here, below = 1 << (level - 1), level * BANDS, (level - 1) * BANDS
+        for band in range(BANDS):
+            other = min(band + apart, BANDS - 1)
+            bands[0, here + band] = min(bands[0, below + band], bands[0, below + other])
+            bands[1, here + band] = max(bands[1, below + band], bands[1, below + other])
+            bands[2, here + band] = max(bands[2, below + band], bands[2, below + other])
+            bands[3, here + band] = min(bands[3, below + band], bands[3, below + other])
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _look_up(y, first, per_mm, last):
+    """Where the line before a place begins in a stamp's table, and how far from it the place is."""
+    at = min(max((y - first) * per_mm, _ZERO), last)
+    line = np.int32(at)
+    return (np.uint32(line) & np.uint32(_MOST_LINES - 1)) * np.uint32(_ROW), at - np.float32(line)
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _ends(i, part, lines):
+    """Where the middles of both ramps lie."""
+    rises = lines[i + np.uint32(_RISES)]
+    enters = np.uint32(lines[i + np.uint32(_ENTERS)]).view(np.float32) + part * _first(rises)
+    leaves = np.uint32(lines[i + np.uint32(_LEAVES)]).view(np.float32) + part * _second(rises)
+    return enters, leaves
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _distances(x, y, first, per_mm, last, lines):
+    """Distances (box widths) of a place to both ramps of a stamp."""
+    i, part = _look_up(y, first, per_mm, last)
+    enters, leaves = _ends(i, part, lines)
+    steeps, rises = lines[i + np.uint32(_STEEPS)], lines[i + np.uint32(_STEEP_RISES)]
+    steep = _first(steeps) + part * _first(rises)
+    steep_out = _second(steeps) + part * _second(rises)
+    return (x - enters) * steep, (leaves - x) * steep_out
+
+
+@uncounted(error_model="numpy", apart=True)
+def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover):
+    """Time-mean share for the ink, and greatest share covered, of vertices.
 
     The share is w of docs/model.md, equation (9).
 
     Parameters
     ----------
     n : int
-        Vertices in the block.
-    sweep : Sweep
-    block : Block
-        With their ids, and the first three of `rows`; the rest is filled, and worked in.
-    found : Found
-        Vertices with a share are appended.
-    at : int
-        How many there are already.
-
-    Returns
-    -------
-    int
-        How many there are then.
+    scale : float
+        Box widths to the mm.
+    flanks, grids : (2, 4) and (2, 3) float64
+        Of `fill_chords`.
+    before, after : (MOST_LINES * _ROW,) uint32
+        The tables of both stamps.
+    xs, ys, stretch : (n or more,) float32
+        Where vertices lie along the way and across, mm, and how many times their area the plane's
+        is.
+    share, cover : (n or more,) float32
+        Filled.
     """
-    ids, rows, packed, work = block.ids, block.rows, block.packed, block.work
-    straight_ones, slow_ones = block.near[0], block.near[1]
-    share, cover = work[6], work[7]
-    _measure(n, sweep, block)
-    _judge(n, sweep.values[0], block)
-    at, straight, slow = _sort(n, block, found, at)
-    _pack(straight, straight_ones, ids, rows, block.packed_ids, packed)
-    _stamp_cover(straight, packed, cover)
-    _share_straight(straight, packed[3], packed[4], share)
-    at = _append(straight, block, found, at)
-    if slow == 0:
-        return at
-    _pack(slow, slow_ones, ids, rows, block.packed_ids, packed)
-    left = _drop_far(slow, sweep, packed, work, slow_ones, straight_ones)
-    _pack(left, straight_ones, ids, rows, block.packed_ids, packed)
-    _stamp_cover(left, packed, cover)
-    _follow(left, sweep, packed, work)
-    return _append(left, block, found, at)
+    per_box = np.float32(scale)
+    from_a, per_mm_a, last_a = _grid(grids[0])
+    from_b, per_mm_b, last_b = _grid(grids[1])
+    low_a, high_a = np.float32(flanks[0, 0]), np.float32(flanks[0, 2])
+    low_b, high_b = np.float32(flanks[1, 0]), np.float32(flanks[1, 2])
+    per_low = _per_way(-low_a * per_box, -low_b * per_box)
+    per_high = _per_way(high_a * per_box, high_b * per_box)
+    for k in range(n):
+        x, y = xs[k], ys[k]
+        a, c = _distances(x, y, from_a, per_mm_a, last_a, before)
+        b, d = _distances(x, y, from_b, per_mm_b, last_b, after)
+        per_way, per_way_out = _per_way(a, b), _per_way(c, d)
+        mean = max(_ZERO, _mean_covered(a, b, per_way) + _mean_covered(c, d, per_way_out) - _ONE)
+        low, high = (y - low_a) * per_box, (high_a - y) * per_box
+        low_then, high_then = (y - low_b) * per_box, (high_b - y) * per_box
+        within = _mean_covered(low, low_then, per_low) + _mean_covered(high, high_then, per_high)
+        first = max(_ZERO, _covered(low) + _covered(high) - _ONE)
+        last = max(_ZERO, _covered(low_then) + _covered(high_then) - _ONE)
+        most = _most_covered(a, b, c, d, per_way, per_way_out, first, last)
+        cover[k] = most if most > _NOTHING else _ZERO
+        weight = (within - _ONE) * mean
+        share[k] = weight * stretch[k] if min(weight, most) > _NOTHING else _ZERO
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _grid(grid):
+    """y of a stamp's first line, lines to the mm, and the last place between two."""
+    return np.float32(grid[0]), np.float32(grid[1]), np.float32(grid[2] - 1e-3)
 
 
 @uncounted(error_model="numpy")
-def _find_deepest(n, sweep, rows, work):
-    """Where on the outline vertices lie that its end no longer covers: when they lay deepest.
+def hold_within(n, scale, flanks, grid, lines, xs, ys):
+    """Move vertices that a footprint has passed to where they lay on its edge last.
 
-    The first two of `rows` become their places in the plane on the outline at the end of the way
-    that was over them then; the others stay where they are.
+    `flanks`, `grid` and `lines` are those of the stamp; the rest is as for `weigh`.
     """
-    a, b, values = rows[3], rows[4], sweep.values[0]
-    spots, when, peak, where = work[3:6], work[11], work[12], work[13]
-    heel, length = np.float32(values.after_heel), values.after_tip - values.after_heel
-    step = np.float32(length / PROFILE_CELLS)
+    first, per_mm, last = _grid(grid)
+    half = np.float32(0.5 / scale)
+    low, high = np.float32(flanks[0]) - half, np.float32(flanks[2]) + half
     for k in range(n):
-        crosses = (when[k] > _ZERO) & (peak[k] > a[k])
-        place = where[k] if crosses else spots[0, k]
-        side = _ZERO if crosses else spots[1, k]
-        here = b[k] > -_HALF
-        rows[0, k] = rows[0, k] if here else heel + place * step
-        rows[1, k] = rows[1, k] if here else side
-
-
-@uncounted(error_model="numpy")
-def _weigh_near(n, sweep, rows, work):
-    """Mean share covered, and the greatest, of packed vertices that the edge may pass.
-
-    Their distances at the end of the way are known.
-    """
-    a, b, far_a, far_b = rows[3], rows[4], rows[5], rows[6]
-    spots, later, when, peak = work[3:6], work[8:11], work[11], work[12]
-    share, cover, values = work[6], work[7], sweep.values[0]
-    if values.before_touches > 0.0:
-        _place_block(n, rows, _after(values), later)
-        _place_block(n, rows, _before(values), spots)
-        _stamp_edges(n, spots, sweep.before.lines, values.scale, a, far_a)
-        _find_crossings(n, spots, later, sweep, (1.0, 0.0), work[11:14])
-    else:
-        for k in range(n):
-            a[k], far_a[k], when[k] = b[k], far_b[k], _ZERO
-    _stamp_cover(n, rows, cover)
-    for k in range(n):
-        t = when[k]
-        top = peak[k] if t > _ZERO else a[k]
-        share[k] = t * _mean_covered(a[k], top) + (_ONE - t) * _mean_covered(top, b[k])
-        passed = _covered(top) + _covered(top) - _ONE if t > _ZERO else _ZERO
-        cover[k] = max(cover[k], passed)
-    _find_deepest(n, sweep, rows, work)
-
-
-@uncounted(error_model="numpy")
-def weigh_passing(n, sweep, moved, block):
-    """Mean share covered on a way that is no longer than the vertices lie apart.
-
-    Of the vertices of a block; those with one are packed.
-
-    Parameters
-    ----------
-    n : int
-    sweep : Sweep
-        Its end touches; where its beginning does not, it is all end.
-    moved : float
-        How far the fastest of the outline's points moved, mm.
-    block : Block
-        With the vertices' ids, and the first three of `rows`. Filled are `packed_ids` with those
-        that have a share, and of `packed` their place on the outline at its end (plane x and y),
-        share for the ink, and greatest share covered.
-
-    Returns
-    -------
-    int
-        How many there are.
-    """
-    rows, work, values = block.rows, block.work, sweep.values[0]
-    near, whole, share, cover = block.near[0], block.near[1], work[6], work[7]
-    b, far_b = rows[4], rows[6]
-    _place_block(n, rows, _after(values), work[8:11])
-    _stamp_edges(n, work[8:11], sweep.after.lines, values.scale, b, far_b)
-    reach = np.float32(0.5 + _NEAR * moved * values.scale)
-    n_near, n_whole = 0, 0
-    for k in range(n):
-        near[n_near], whole[n_whole] = k, k
-        n_near += np.int64((b[k] > -reach) & (b[k] < reach))
-        n_whole += np.int64(b[k] >= reach)
-    packed_ids, packed = block.packed_ids, block.packed
-    _pack(n_near, near, block.ids, rows, packed_ids, packed)
-    _weigh_near(n_near, sweep, packed, work)
-    xs, ys, stretch, shares, covers = packed[0], packed[1], packed[2], packed[2], packed[3]
-    kept = 0
-    for k in range(n_near):
-        packed_ids[kept], xs[kept], ys[kept] = packed_ids[k], xs[k], ys[k]
-        shares[kept], covers[kept] = share[k] * stretch[k], cover[k]
-        kept += np.int64(cover[k] > _ZERO)
-    for i in range(n_whole):
-        k = np.uint32(whole[i])
-        packed_ids[kept + i], xs[kept + i], ys[kept + i] = block.ids[k], rows[0, k], rows[1, k]
-        shares[kept + i], covers[kept + i] = rows[2, k], _ONE
-    return kept + n_whole
+        i, part = _look_up(ys[k], first, per_mm, last)
+        enters, leaves = _ends(i, part, lines)
+        xs[k] = min(max(xs[k], enters - half), leaves + half)
+        ys[k] = min(max(ys[k], low), high)
 
 
 @uncounted(error_model="numpy", apart=True)
-def fetch(n, ids, values, out):
-    """Fill the values that vertices have; `values` holds those of all."""
-    for k in range(n):
+def fetch(runs, n_runs, ids, n, values, out):
+    """Fill the values that vertices found have; `values` holds those of all.
+
+    `runs` (n_runs or more, 2) and `ids` (n or more,) are those of `Found`.
+    """
+    at = 0
+    for r in range(n_runs):
+        first, many = runs[r, 0], runs[r, 1]
+        source, target = values[first : first + many], out[at : at + many]
+        for k in range(many):
+            target[k] = source[k]
+        at += many
+    for k in range(at, n):
         out[k] = values[as_index(ids[k])]
 
 

@@ -19,7 +19,6 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.coverage import fetch
 from paint3d.core.kernel import kernel, uncounted
 from paint3d.mesh.kernels.mesh_arrays import mix
 
@@ -503,9 +502,17 @@ def _touch(n, contact, after, ink, block):
         supply[k] = min(np.float32(1.0), max(np.float32(0.0), half + supply[k] * per_soft))
 
 
+@uncounted(error_model="numpy", apart=True)
+def _copy_positions(n, px, py, pz, rows):
+    """Copy positions to the first three rows of a block."""
+    xs, ys, zs = rows[0], rows[1], rows[2]
+    for k in range(n):
+        xs[k], ys[k], zs[k] = px[k], py[k], pz[k]
+
+
 @uncounted(error_model="numpy")
-def thin_contact(contact, after, found, n, field, ink, block):
-    """Take what the tuft does not touch out of the vertices found; return how many stay.
+def thin_contact(contact, after, found, n, ink, block):
+    """Take what the tuft does not touch from the shares of the vertices found.
 
     The share touched is docs/model.md, equation (13).
 
@@ -514,35 +521,29 @@ def thin_contact(contact, after, found, n, field, ink, block):
     contact : DryContact
     after : Stamp
     found : Found
-        The first `n` of it; those that stay are moved to the front.
+        The first `n` of it, with their positions.
     n : int
-    field, ink : SurfaceField, InkField
+    ink : InkField
     block : Block
         Overwritten.
     """
-    ids, share, cover, lanes, area = found.ids, found.share, found.cover, found.lanes, found.area
-    xs, ys, zs, touched = block.rows[0], block.rows[1], block.rows[2], block.rows[6]
-    kept = np.uint32(0)
-    for first in range(0, n, xs.shape[0]):
-        m = min(xs.shape[0], n - first)
+    touched, size = block.rows[6], block.rows.shape[1]
+    for first in range(0, n, size):
+        m = min(size, n - first)
         last = first + m
-        own_ids, own_lanes, own_area = ids[first:last], lanes[first:last], area[first:last]
-        own_share, own_cover = share[first:last], cover[first:last]
-        fetch(m, own_ids, field.px, xs)
-        fetch(m, own_ids, field.py, ys)
-        fetch(m, own_ids, field.pz, zs)
+        share, cover = found.share[first:last], found.cover[first:last]
+        px, py, pz = found.px[first:last], found.py[first:last], found.pz[first:last]
+        _copy_positions(m, px, py, pz, block.rows)
         _begin_supply(m, contact, found.under[first:last], touched)
         _touch(m, contact, after, ink, block)
         for k in range(m):
-            ids[kept], lanes[kept], area[kept] = own_ids[k], own_lanes[k], own_area[k]
-            share[kept] = own_share[k] * touched[k]
-            cover[kept] = own_cover[k] * touched[k]
-            kept += np.uint32(touched[k] > _LEAST)
-    return np.int64(kept)
+            part = touched[k] if touched[k] > _LEAST else np.float32(0.0)
+            share[k] *= part
+            cover[k] *= part
 
 
 @uncounted(error_model="numpy")
-def weigh_streaks(strength, contact, after, found, n, field, ink, block):
+def weigh_streaks(strength, contact, after, found, n, ink, block):
     """Weigh the shares of vertices under a wet tuft by what bundles bring: docs/model.md, (12).
 
     Where a bundle brings much there is ink last when the brush runs dry.
@@ -551,31 +552,24 @@ def weigh_streaks(strength, contact, after, found, n, field, ink, block):
     ----------
     strength : float
         Of the logarithm of a weight, over the supply of (13).
-    contact : DryContact
-    after : Stamp
+    contact, after, n, ink, block : as for `thin_contact`
     found : Found
-        The first `n` of it; `brings` becomes their weights.
-    n : int
-    field, ink : SurfaceField, InkField
-    block : Block
-        Overwritten.
+        The first `n` of it, with their positions; `brings` becomes their weights.
     """
-    ids, share, brings = found.ids, found.share, found.brings
-    xs, ys, zs, supply = block.rows[0], block.rows[1], block.rows[2], block.rows[6]
+    supply, size = block.rows[6], block.rows.shape[1]
     one, half, third = np.float32(1.0), np.float32(1.0 / 2.0), np.float32(1.0 / 3.0)
     begin, factor = np.float32(strength * contact.mean_broad), np.float32(strength)
-    for first in range(0, n, xs.shape[0]):
-        m = min(xs.shape[0], n - first)
+    for first in range(0, n, size):
+        m = min(size, n - first)
         last = first + m
-        own_ids, own_share, own_brings = ids[first:last], share[first:last], brings[first:last]
-        fetch(m, own_ids, field.px, xs)
-        fetch(m, own_ids, field.py, ys)
-        fetch(m, own_ids, field.pz, zs)
+        share, brings = found.share[first:last], found.brings[first:last]
+        px, py, pz = found.px[first:last], found.py[first:last], found.pz[first:last]
+        _copy_positions(m, px, py, pz, block.rows)
         for k in range(m):
             supply[k] = np.float32(0.0)
         _add_supply(m, contact, after, ink, block)
         for k in range(m):
             e = factor * supply[k] - begin
             weight = one + e * (one + half * e * (one + third * e))  # exp(e), which is small
-            own_brings[k] = weight
-            own_share[k] *= weight
+            brings[k] = weight
+            share[k] *= weight

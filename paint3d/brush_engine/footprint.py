@@ -4,9 +4,8 @@ A stamp is a plane (through the foot point P'_m, with the mean normal of the eff
 direction of the bend in it, and the footprint's half width tabulated over its length, so that
 "is this point under the brush" costs one table look-up. Guo 2017, Eqs. 4, 6-11 and Fig. 7.
 
-A sweep holds everything that the loops over vertices need: the plane, the rectangle around both
-outlines, how one stamp's coordinates turn into the other's, and how finely the way between them is
-followed for vertices near the edge.
+A sweep holds everything that the loops over vertices need: the plane, where the way leads in it,
+how its coordinates turn into those of the two stamps, and how many lines along it there are.
 """
 
 from __future__ import annotations
@@ -19,14 +18,11 @@ from numpy.typing import NDArray
 from paint3d.core.kernel import uncounted
 
 __all__ = [
-    "BETWEEN_SHAPE",
     "GEOMETRY",
     "LAST_PLACE",
     "PROFILE_CELLS",
     "SWEEP",
     "Stamp",
-    "Sweep",
-    "fill_between",
     "fill_profile",
     "fill_sweep",
     "find_way",
@@ -37,7 +33,6 @@ __all__ = [
     "outline_area",
     "outline_motion",
     "profile_cell",
-    "sweep_bounds",
 ]
 
 PROFILE_CELLS = 64
@@ -95,46 +90,30 @@ GEOMETRY = np.dtype(
     align=True,
 )
 """Where a stamp stands, and how large it is."""
-_MOST_PARTS = 8  # that the way between two stamps is cut into for vertices near the edge
-_PART_SHARE = 0.05  # of the footprint's smaller extent, the longest part
-_PART_WIDTH = 0.25  # of the soft edge, the shortest
 
 SWEEP = np.dtype(
     [
         ("origin", "f8", 3),  # of the plane, that of one of the stamps, mm
         ("normal", "f8", 3),
-        ("bend", "f8", 3),  # its x axis
-        ("cross", "f8", 3),  # its y axis
+        ("ahead", "f8", 3),  # its x axis, along the way
+        ("aside", "f8", 3),  # its y axis
         ("sphere_centre", "f8", 3),  # of the sphere that encloses the brush, from the origin, mm
         ("radius2", "f8"),  # square of its radius, with what the outline moves
-        ("box", "f8", 4),  # rectangle around both outlines: x0, x1, y0, y1, mm
         ("to_before", "f8", 4),  # turn to the coordinates of the stamp before: x, y, cosine, sine
         ("to_after", "f8", 4),  # and to those of the stamp after
         ("scale", "f8"),  # widths of the soft edge to the mm
-        ("after_touches", "f8"),  # as in a stamp's geometry
-        ("after_heel", "f8"),
-        ("after_tip", "f8"),
-        ("before_touches", "f8"),
-        ("before_heel", "f8"),
-        ("before_tip", "f8"),
-        ("parts", "f8"),  # that the way between is cut into for vertices near the edge
-        ("rise", "f8"),  # how far between its ends an outline may stick out, soft edges
-        ("end_rise", "f8"),  # and near its ends
-        ("ends", "f8", 2),  # how much of the profile is near the heel and near the tip, cells
-        ("rises", "f8", 5),  # the same for whole discs: along, at the ends, margin, how much is
-        # near the heel and near the tip, mm
+        ("first", "f8"),  # y of where the first band of lines along the way begins, mm
+        ("per_mm", "f8"),  # bands to the mm
         ("carry2", "f8"),  # square of how far a vertex may be carried into the plane, mm2
         ("ball", "f8", 3),  # middle of the ball in which vertices are carried, from the origin, mm
         ("ball2", "f8"),  # square of its radius
         ("wet", "f8"),  # load over that below which the tuft begins to skip: `wetness`
-        ("steady", "f8", 2),  # share of what paper moves the outlines by that they do not follow:
-        # at the plane's origin, and how much less to the mm along the bend
+        ("steady", "f8", 3),  # share of what paper moves the outlines by that they do not follow:
+        # at the plane's origin, and how much less to the mm along its axes
     ],
     align=True,
 )
 """Everything that the loops over vertices need of a sweep."""
-
-BETWEEN_SHAPE = (_MOST_PARTS, 6)
 
 
 class Stamp(NamedTuple):
@@ -142,14 +121,13 @@ class Stamp(NamedTuple):
 
     values: NDArray  # (1,) of GEOMETRY
     half_widths: NDArray  # (PROFILE_CELLS + 2,) float64, mm, even steps from heel to tip
-    lines: NDArray  # (4, PROFILE_CELLS) float32: in each step half width = first + second x place
-    # (place in steps from the heel), third = 1/sqrt(1 + slope^2), for distances to the edge, and
-    # fourth: by how much that makes distances less from there to where it is widest, 1 / third - 1
+    lines: NDArray  # (2, PROFILE_CELLS) float32: in each step half width = first + second x place
+    # (place in steps from the heel)
 
 
 def make_stamp() -> Stamp:
     """An empty stamp that touches nothing."""
-    lines = np.zeros((4, PROFILE_CELLS), np.float32)
+    lines = np.zeros((2, PROFILE_CELLS), np.float32)
     return Stamp(np.zeros(1, GEOMETRY), np.zeros(PROFILE_CELLS + 2), lines)
 
 
@@ -201,29 +179,11 @@ def keep_profile(stamp, heel, tip):
     values.widest, values.area = 0.0, 0.0
     for i in range(PROFILE_CELLS):
         rise = widths[i + 1] - widths[i]
-        slope = rise / step if step > 0.0 else 0.0
         stamp.lines[0, i] = widths[i] - i * rise
         stamp.lines[1, i] = rise
-        stamp.lines[2, i] = 1.0 / np.sqrt(1.0 + slope * slope)
         values.area += (widths[i] + widths[i + 1]) * step
         if widths[i] > values.widest:
             values.widest, values.widest_at = widths[i], heel + i * step
-    _note_bluntness(stamp, step)
-
-
-@uncounted
-def _note_bluntness(stamp, step):
-    """Fill the fourth of a stamp's lines: bluntest of the steps between one and the widest."""
-    values, lines = stamp.values[0], stamp.lines
-    one, most = np.float32(1.0), np.float32(0.0)
-    middle = int((values.widest_at - values.heel) / step + 0.5) if step > 0.0 else 0
-    for i in range(middle - 1, -1, -1):
-        most = max(most, one / lines[2, i] - one)
-        lines[3, i] = most
-    most = np.float32(0.0)
-    for i in range(middle, PROFILE_CELLS):
-        most = max(most, one / lines[2, i] - one)
-        lines[3, i] = most
 
 
 @uncounted
@@ -333,70 +293,31 @@ def _outline_point(stamp, point, axis):
     return origin + along * values.bend[axis] + across * values.cross[axis]
 
 
-class Sweep(NamedTuple):
-    """The way of a footprint: its numbers, and the stamps that it begins and ends with."""
-
-    values: NDArray  # (1,) of SWEEP
-    between: NDArray  # BETWEEN_SHAPE, where the outline stands on the way; see `fill_between`
-    before: Stamp
-    after: Stamp
-
-
 @uncounted(error_model="numpy")
-def sweep_bounds(before, after, plane, margin, bounds):
-    """Rectangle (x0, x1, y0, y1) in the plane of the stamp `plane` that holds both outlines.
+def fill_sweep(before, after, plane, scale, sweep):
+    """Gather the numbers of a sweep from its stamps, but for its lines.
 
-    Also fills bounds[4:8] with the turn (ox, oy, c, s) that carries its coordinates to those of
-    `before`: x' = c (x - ox) + s (y - oy), y' = -s (x - ox) + c (y - oy).
+    Parameters
+    ----------
+    before, after : Stamp
+        Where the way begins and ends, one of them perhaps without touching.
+    plane : record of GEOMETRY
+        That of the stamp in whose plane it lies.
+    scale : float
+        Widths of the soft edge to the mm.
+    sweep : record of SWEEP
+        Filled.
     """
-    a = before.values[0]
-    b = plane.values[0]
-    ox = 0.0
-    oy = 0.0
-    c = 0.0
-    s = 0.0
-    for k in range(3):
-        d = a.origin[k] - b.origin[k]
-        ox += d * b.bend[k]
-        oy += d * b.cross[k]
-        c += a.bend[k] * b.bend[k]
-        s += a.bend[k] * b.cross[k]
-    norm = np.sqrt(c * c + s * s)
-    if norm > 1e-9:
-        c /= norm
-        s /= norm
-    else:
-        c, s = 1.0, 0.0
-    bounds[4] = ox
-    bounds[5] = oy
-    bounds[6] = c
-    bounds[7] = s
-    x0, x1, y0, y1 = 1e30, -1e30, 1e30, -1e30
+    carried, along, across = 0.0, 1.0, 0.0
     if after.values[0].touches > 0.0:
-        x0, x1, y0, y1 = b.heel, b.tip, -b.widest, b.widest
-    if a.touches > 0.0:
-        for u in (a.heel, a.tip):
-            for v in (-a.widest, a.widest):
-                x = ox + c * u - s * v
-                y = oy + s * u + c * v
-                x0 = min(x0, x)
-                x1 = max(x1, x)
-                y0 = min(y0, y)
-                y1 = max(y1, y)
-    bounds[0] = x0 - margin
-    bounds[1] = x1 + margin
-    bounds[2] = y0 - margin
-    bounds[3] = y1 + margin
-
-
-@uncounted(error_model="numpy")
-def fill_sweep(before, after, plane, scale, bounds, sweep):
-    """Gather the numbers of a sweep from its stamps; `plane` holds the plane's values."""
+        carried, along, across = find_way(before, after)
+    if carried <= 0.0:
+        along, across = 1.0, 0.0
     for k in range(3):
         sweep.origin[k] = plane.origin[k]
         sweep.normal[k] = plane.normal[k]
-        sweep.bend[k] = plane.bend[k]
-        sweep.cross[k] = plane.cross[k]
+        sweep.ahead[k] = along * plane.bend[k] + across * plane.cross[k]
+        sweep.aside[k] = along * plane.cross[k] - across * plane.bend[k]
         sweep.sphere_centre[k] = plane.sphere_centre[k] - plane.origin[k]
     # the sphere is that of one stamp: the other's outline sticks out by what it moved
     sticks_out = 0.5 / scale + outline_motion(before, after)
@@ -406,20 +327,33 @@ def fill_sweep(before, after, plane, scale, bounds, sweep):
         half = max(_half_extent(before.values[0]), _half_extent(after.values[0]))
         sweep.carry2 = (half + sticks_out) ** 2
     _fill_ball(before, after, plane, scale, sweep)
-    for k in range(4):
-        sweep.box[k] = bounds[k]
-        sweep.to_before[k] = bounds[4 + k]
     sweep.scale = scale
     last, first = after.values[0], before.values[0]
-    sweep.after_touches, sweep.after_heel, sweep.after_tip = last.touches, last.heel, last.tip
-    sweep.before_touches, sweep.before_heel, sweep.before_tip = first.touches, first.heel, first.tip
-    _fill_steady(last if last.touches > 0.0 else first, sweep)
-    for k in range(4):
-        sweep.to_after[k] = 1.0 if k == 2 else 0.0
+    _fill_turn(first, sweep, sweep.to_before)
+    _fill_turn(last, sweep, sweep.to_after)
+    _fill_steady(last if last.touches > 0.0 else first, along, across, sweep)
 
 
 @uncounted(error_model="numpy")
-def _fill_steady(values, sweep):
+def _fill_turn(values, sweep, turn):
+    """The turn (x, y, c, s) from the plane's coordinates to those of a stamp, which may lean.
+
+    x' = c (x - ox) + s (y - oy), y' = -s (x - ox) + c (y - oy).
+    """
+    ox = oy = c = s = 0.0
+    for k in range(3):
+        d = values.origin[k] - sweep.origin[k]
+        ox += d * sweep.ahead[k]
+        oy += d * sweep.aside[k]
+        c += values.bend[k] * sweep.ahead[k]
+        s += values.bend[k] * sweep.aside[k]
+    norm = np.sqrt(c * c + s * s)
+    turn[0], turn[1] = ox, oy
+    turn[2], turn[3] = (c / norm, s / norm) if norm > 1e-9 else (1.0, 0.0)
+
+
+@uncounted(error_model="numpy")
+def _fill_steady(values, along, across, sweep):
     """How little of paper's unevenness the edge of a footprint follows.
 
     A thin line brings little ink for fibres to draw on, and ink that has time and is plenty runs
@@ -432,7 +366,8 @@ def _fill_steady(values, sweep):
     follows = min(1.0, follows) * broad * np.sqrt(broad)
     rise = (_POINT - _BELLY) * follows / max(values.tip - values.heel, 1e-6)
     sweep.steady[0] = 1.0 - (_BELLY * follows - rise * values.heel)
-    sweep.steady[1] = rise
+    sweep.steady[1] = rise * along
+    sweep.steady[2] = -rise * across
 
 
 @uncounted(error_model="numpy")
@@ -487,69 +422,3 @@ def _half_extent(values):
     if values.touches <= 0.0:
         return 0.0
     return max(0.5 * (values.tip - values.heel), values.widest)
-
-
-@uncounted(error_model="numpy")
-def _find_ends(before, after, motion, sweep):
-    """How much of a footprint's ends is so narrow that on its way it leaves both stamps."""
-    a, b = before.half_widths, after.half_widths
-    longest = max(sweep.after_tip - sweep.after_heel, sweep.before_tip - sweep.before_heel)
-    shortest = min(sweep.after_tip - sweep.after_heel, sweep.before_tip - sweep.before_heel)
-    for end in range(2):
-        narrow = 0
-        for i in range(PROFILE_CELLS + 1):
-            at = i if end == 0 else PROFILE_CELLS - i
-            if min(a[at], b[at]) > 0.5 * motion:
-                break
-            narrow = i
-        share = narrow / PROFILE_CELLS
-        sweep.ends[end] = min(1.0, share + motion / shortest) * PROFILE_CELLS
-        sweep.rises[3 + end] = share * longest + motion
-
-
-@uncounted(error_model="numpy")
-def fill_between(before, after, sweep, between):
-    """Where the outline stands between two stamps that touch: rows of turn (4), heel and tip.
-
-    An outline passes a vertex near its edge on a curve, not straight from its distance at one
-    stamp to that at the other. Cutting the way for these vertices alone costs less than more
-    stamps would.
-    """
-    sweep.parts = 1.0
-    sweep.rise = 0.0
-    sweep.end_rise = 0.0
-    for k in range(5):
-        sweep.rises[k] = 0.0
-    sweep.rises[2] = 0.5 / sweep.scale
-    sweep.ends[0] = sweep.ends[1] = 0.0
-    a = before.values[0]
-    b = after.values[0]
-    if a.touches <= 0.0 or b.touches <= 0.0:
-        return
-    extent = min(a.tip - a.heel, b.tip - b.heel)
-    extent = min(extent, 2.0 * min(a.widest, b.widest))
-    motion = outline_motion(before, after)
-    part = max(_PART_SHARE * extent, _PART_WIDTH / sweep.scale)
-    parts = min(_MOST_PARTS, int(np.ceil(motion / part)))
-    if parts < 2:
-        return
-    sweep.parts = parts
-    # how far beyond both stamps' edges the edge gets on its way: a flank that is carried along
-    # bulges by the height of an arc, an end narrower than the way stands out by half its way aside
-    widest = min(a.widest, b.widest)
-    sweep.rise = min(0.5 * motion, motion * motion / (4.0 * widest)) * sweep.scale
-    aside = abs(sweep.to_before[1] + sweep.to_before[3] * a.tip)
-    aside = max(aside, abs(sweep.to_before[1] + sweep.to_before[3] * a.heel))
-    sweep.end_rise = max(sweep.rise, 0.5 * aside * sweep.scale)
-    sweep.rises[0] = sweep.rise / sweep.scale
-    sweep.rises[1] = sweep.end_rise / sweep.scale
-    _find_ends(before, after, motion, sweep)
-    turn = np.arctan2(sweep.to_before[3], sweep.to_before[2])
-    for k in range(parts):  # row 0: half the way
-        back = 1.0 - k / parts if k > 0 else 0.5
-        between[k, 0] = back * sweep.to_before[0]
-        between[k, 1] = back * sweep.to_before[1]
-        between[k, 2] = np.cos(back * turn)
-        between[k, 3] = np.sin(back * turn)
-        between[k, 4] = back * a.heel + (1.0 - back) * b.heel
-        between[k, 5] = back * a.tip + (1.0 - back) * b.tip

@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.coverage import fetch, weigh_block, weighed_area
+from paint3d.brush_engine.coverage import cut_outline, fetch, weighed_area
 from paint3d.brush_engine.dry_contact import (
     BUNDLE_MM,
     dry_contact,
@@ -28,21 +28,12 @@ from paint3d.brush_engine.dry_contact import (
 from paint3d.brush_engine.footprint import (
     LAST_PLACE,
     PROFILE_CELLS,
-    Sweep,
     find_way,
     ink_way,
     outline_motion,
     profile_cell,
 )
-from paint3d.brush_engine.vertex_query import (
-    INSIDE,
-    VISITED,
-    find_candidates,
-    next_block,
-    single,
-    take_run,
-    vertices_of,
-)
+from paint3d.brush_engine.vertex_query import find_vertices
 from paint3d.core.kernel import kernel, uncounted
 from paint3d.mesh.kernels.mesh_arrays import as_index
 
@@ -58,6 +49,8 @@ __all__ = [
     "absorbency",
     "add_ink",
     "drawn_rate",
+    "fetch_found",
+    "fetch_positions",
     "first_film",
     "given_on_way",
     "held_ink",
@@ -94,91 +87,42 @@ _STREAKS, _STREAKS_FULL, _FULL = 0.16, 0.05, 2.2
 
 
 @uncounted(error_model="numpy")
-def _reach_lines(x, y, last_x, last_y, first, step, ends):
-    """Let an edge of the outline reach the lines (their `ends` (2, LINES)) that it crosses."""
-    at, last = (y - first) / step - 0.5, (last_y - first) / step - 0.5
-    low, high = min(at, last), max(at, last)
-    for line in range(max(0, int(np.ceil(low))), min(LINES - 1, int(np.floor(high))) + 1):
-        part = (line - last) / (at - last) if at != last else 0.0
-        reach = last_x + part * (x - last_x)
-        ends[0, line] = min(ends[0, line], reach)
-        ends[1, line] = max(ends[1, line], reach)
+def _fill_gains(enters, leaves, strength, power, numbers, gains):
+    """How many times its share what lies on a line gets: straight from one's middle to the next's.
 
-
-@uncounted(error_model="numpy")
-def _fill_lines(stamp, way, ends):
-    """Cut a footprint into lines along the way, side by side; fill `ends` (2, LINES) with theirs.
-
-    Returns where across the way, from the stamp's origin, the first begins, and how far they lie
-    apart (mm).
+    Where a footprint's lines are entered and left is given; `numbers` is worked in.
     """
-    values, widths = stamp.values[0], stamp.half_widths
-    step = (values.tip - values.heel) / PROFILE_CELLS
-    left, right = 1e30, -1e30
-    for i in range(PROFILE_CELLS + 1):
-        middle = -way[1] * (values.heel + i * step)
-        aside = abs(way[0]) * widths[i]
-        left, right = min(left, middle - aside), max(right, middle + aside)
-    apart = (right - left) / LINES
-    ends[0, :] = 1e30
-    ends[1, :] = -1e30
-    for side in (-1.0, 1.0):
-        last_x = last_y = 0.0
-        for i in range(PROFILE_CELLS + 1):
-            along, across = values.heel + i * step, side * widths[i]
-            x, y = way[0] * along + way[1] * across, way[0] * across - way[1] * along
-            if i > 0:
-                _reach_lines(x, y, last_x, last_y, left, apart, ends)
-            last_x, last_y = x, y
-    return left, apart
-
-
-@uncounted(error_model="numpy")
-def _fill_gains(lines, strength, power):
-    """Fill the third row of `lines`: how many times its share what lies on each gets."""
-    ends, gains = lines[:2], lines[2]
     mean, count = 0.0, 0
     for line in range(LINES):
-        length = max(0.0, ends[1, line] - ends[0, line])
-        gains[line] = length
+        length = max(0.0, leaves[line] - enters[line])
         mean += length
         count += length > 0.0
     mean /= max(1, count)
     for line in range(LINES):
-        gain = _MOST
-        if gains[line] > 0.0:
-            gain = min(_MOST, (mean / gains[line]) ** power)
-        gains[line] = 1.0 + strength * (gain - 1.0)
+        length, gain = leaves[line] - enters[line], _MOST
+        if length > 0.0:
+            gain = min(_MOST, (mean / length) ** power)
+        numbers[line] = 1.0 + strength * (gain - 1.0)
+    for line in range(LINES - 1):
+        rise = numbers[line + 1] - numbers[line]
+        gains[0, line] = numbers[line] - line * rise
+        gains[1, line] = rise
 
 
 @uncounted(error_model="numpy", apart=True)
-def _give_by_line(n, ids, px, py, pz, across, start, gains, share):
+def _give_by_line(n, aside, first, per_mm, gains, share):
     """Multiply the shares of vertices by what the lines on which they lie get.
 
-    Lines are counted along a vector, `across`, from a place, `start` (mm), where the middle of the
-    first lies. Between the middles of a line and the next, a gain is that of the first of a pair of
-    `gains`, and so many times as the place says that of the second.
+    The middle of the first line lies at `first` mm across the way. Between the middles of a line
+    and the next, a gain is that of the first of a pair of `gains`, and so many times as the place
+    says that of the second.
     """
-    ax, ay, az = single(across)
-    x, y, z = single(start)
+    middle, scale = np.float32(first), np.float32(per_mm)
     starts, rises, last = gains[0], gains[1], np.float32(LINES - 1.001)
     for k in range(n):
-        v = as_index(ids[k])
-        at = ax * (px[v] - x) + ay * (py[v] - y) + az * (pz[v] - z)
-        at = min(max(at, np.float32(0.0)), last)
+        at = min(max((aside[k] - middle) * scale, np.float32(0.0)), last)
         line = np.uint32(np.int32(at)) & np.uint32(LINES - 1)
         share[k] *= starts[line] + at * rises[line]
-
-
-@uncounted(error_model="numpy")
-def _count_lines(values, way, first, apart):
-    """How places are counted in a footprint's lines: `across` and `start` of `_give_by_line`."""
-    x = way[0] * values.cross[0] - way[1] * values.bend[0]
-    y = way[0] * values.cross[1] - way[1] * values.bend[1]
-    z = way[0] * values.cross[2] - way[1] * values.bend[2]
-    middle, origin = first + 0.5 * apart, values.origin
-    start = origin[0] + middle * x, origin[1] + middle * y, origin[2] + middle * z
-    return (x / apart, y / apart, z / apart), start
 
 
 @uncounted(error_model="numpy")
@@ -210,25 +154,24 @@ def level_shares(before, after, wet, contact, field, ink, n, scratch):
     if before.values[0].touches <= 0.0 or values.touches <= 0.0 or values.tip <= values.heel:
         return False
     evens = min(1.0, (wet - _RUNS_DRY[0]) / (_RUNS_DRY[1] - _RUNS_DRY[0]))
-    carried, along, across = find_way(before, after)
+    carried = find_way(before, after)[0]
     if evens <= 0.0 or carried <= 0.0:
         return False
     evens *= carried
-    way, lines, gains = (along, across), scratch.lines, scratch.gains
-    first, apart = _fill_lines(after, way, lines)
+    chords, gains = scratch.chords, scratch.gains
+    flanks, cuts = chords.flanks[1], chords.cuts
+    at, enters, leaves, numbers = cuts[0], cuts[1], cuts[2], cuts[3]
+    apart = (flanks[2] - flanks[0]) / LINES
+    for line in range(LINES):
+        at[line] = flanks[0] + (line + 0.5) * apart
+    cut_outline(chords.points[1], at, LINES, 1.0 / apart, enters, leaves)
     power = _ON_GLAZE + ink.transfer[0].grain * (_ON_GRAIN - _ON_GLAZE)
-    _fill_gains(lines, evens, power)
-    numbers = lines[2]
-    for line in range(LINES - 1):
-        rise = numbers[line + 1] - numbers[line]
-        gains[0, line] = numbers[line] - line * rise
-        gains[1, line] = rise
-    across, start = _count_lines(values, way, first, apart)
-    _give_by_line(n, found.ids, field.px, field.py, field.pz, across, start, gains, found.share)
+    _fill_gains(enters, leaves, evens, power, numbers, gains)
+    _give_by_line(n, found.aside, at[0], 1.0 / apart, gains, found.share)
     if drinks > 0.0:
         full = min(1.0, max(0.0, (wet - 1.0) / (_FULL - 1.0)))
         strength = evens * drinks * (_STREAKS + full * (_STREAKS_FULL - _STREAKS))
-        weigh_streaks(strength, contact, after, found, n, field, ink, scratch.block)
+        weigh_streaks(strength, contact, after, found, n, ink, scratch.block)
     return True
 
 
@@ -371,11 +314,25 @@ def _film_kept(level):
     return _DRY_FILM + (1.0 - _DRY_FILM) * level
 
 
+@uncounted(error_model="numpy")
+def fetch_found(found, n, values, out):
+    """Fill the values that vertices found have; `values` holds those of all."""
+    fetch(found.runs, found.count[0], found.ids, n, values, out)
+
+
+@uncounted(error_model="numpy")
+def fetch_positions(found, n, field):
+    """Fill where the vertices found are, mm."""
+    fetch_found(found, n, field.px, found.px)
+    fetch_found(found, n, field.py, found.py)
+    fetch_found(found, n, field.pz, found.pz)
+
+
 @uncounted(error_model="numpy", apart=True)
-def _fetch_coats(n, ids, amounts, coats):
+def _fetch_coats(runs, n_runs, ids, n, amounts, coats):
     """Fill how much wet ink lies on vertices, of all pigments, coats times the covered share."""
     if amounts.shape[1] == 1:
-        fetch(n, ids, amounts.reshape(amounts.size), coats)
+        fetch(runs, n_runs, ids, n, amounts.reshape(amounts.size), coats)
         return
     for k in range(n):
         coats[k] = np.float32(0.0)
@@ -385,38 +342,49 @@ def _fetch_coats(n, ids, amounts, coats):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _find_liquid(n, ids, mx, my, mz, values, lines, heights):
+def _find_liquid(n, ahead, aside, turn, values, lines, heights):
     """Fill how high a tuft's liquid stands over vertices: 1 in an outline's middle, 0 outside.
 
-    `values` and `lines` are those of a stamp that touches.
+    Where they lie along the way and across is given, and the turn from there to a stamp, which
+    touches; `values` and `lines` are the stamp's.
     """
-    ox, oy, oz = single(values.origin)
-    bx, by, bz = single(values.bend)
-    cx, cy, cz = single(values.cross)
+    turn_x, turn_y, cosine, sine = turn
+    ox, oy, c, s = np.float32(turn_x), np.float32(turn_y), np.float32(cosine), np.float32(sine)
     heel, per_length = np.float32(values.heel), np.float32(1.0 / (values.tip - values.heel))
     cells, last = np.float32(PROFILE_CELLS), np.float32(LAST_PLACE)
     zero, one, four = np.float32(0.0), np.float32(1.0), np.float32(4.0)
     least, starts, rises = np.float32(_LEAST_WIDTH), lines[0], lines[1]
     for k in range(n):
-        v = as_index(ids[k])
-        dx, dy, dz = mx[v] - ox, my[v] - oy, mz[v] - oz
-        part = (dx * bx + dy * by + dz * bz - heel) * per_length
+        dx, dy = ahead[k] - ox, aside[k] - oy
+        part = (c * dx + s * dy - heel) * per_length
         at = min(max(part * cells, zero), last)
         i = profile_cell(at)
         width = max(starts[i] + at * rises[i], least)
-        aside = (dx * cx + dy * cy + dz * cz) / width
-        height = four * part * (one - part) * (one - aside * aside)
-        over = (part > zero) & (part < one) & (aside * aside < one)
+        side = (c * dy - s * dx) / width
+        height = four * part * (one - part) * (one - side * side)
+        over = (part > zero) & (part < one) & (side * side < one)
         heights[k] = height if over else zero
 
 
+@uncounted(error_model="numpy")
+def _find_heights(turn, stamp, found, n):
+    """Fill how high the liquid of a stamp's tuft stands over vertices; 0 if it does not touch."""
+    if stamp.values[0].touches > 0.0:
+        _find_liquid(
+            n, found.ahead, found.aside, (turn[0], turn[1], turn[2], turn[3]), stamp.values[0],
+            stamp.lines, found.heights,
+        )  # fmt: skip
+    else:
+        found.heights[:n] = 0.0
+
+
 @uncounted(error_model="numpy", apart=True)
-def _take_less(n, ids, take, coats, heights, brings, draws, per_coat, share):
+def _take_less(n, take, coats, heights, brings, draws, per_coat, share):
     """Let wet paper take less: docs/model.md, equation (12b)."""
     one, half, pooled = np.float32(1.0), np.float32(0.5), np.float32(_POOLED)
     for k in range(n):
         stands = (one + pooled * (heights[k] - half)) * brings[k]
-        takes = take[as_index(ids[k])]
+        takes = take[k]
         wet = coats[k] * per_coat / (takes * takes * stands)
         wet2 = wet * wet
         wet4 = wet2 * wet2
@@ -425,7 +393,7 @@ def _take_less(n, ids, take, coats, heights, brings, draws, per_coat, share):
 
 
 @uncounted(error_model="numpy")
-def _saturate(after, found, n, field, ink):
+def _saturate(after, sweep, found, n, ink):
     """Let wet paper take less of what comes on the way: docs/model.md, equation (12b).
 
     So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
@@ -434,19 +402,17 @@ def _saturate(after, found, n, field, ink):
     draws = np.float32(absorbency(ink))
     if draws <= 0.0:
         return False
-    values, ids, coats, heights = after.values[0], found.ids, found.coats, found.heights
-    speed = max(values.speed, _SLOWEST_MM_S)
+    speed = max(after.values[0].speed, _SLOWEST_MM_S)
     per_coat = np.float32((speed / _EVEN_MM_S) ** _LINGERS / _SATURATED)
-    _fetch_coats(n, ids, ink.amounts, coats)
-    heights[:n] = 0.0
-    if values.touches > 0.0:
-        _find_liquid(n, ids, field.mx, field.my, field.mz, values, after.lines, heights)
-    _take_less(n, ids, field.take, coats, heights, found.brings, draws, per_coat, found.share)
+    _find_heights(sweep.to_after, after, found, n)
+    _take_less(
+        n, found.take, found.coats, found.heights, found.brings, draws, per_coat, found.share
+    )
     return True
 
 
 @uncounted(error_model="numpy", apart=True)
-def _find_lacking(n, film, ids, cover, take, coverage, coats, lacks):
+def _find_lacking(n, film, cover, take, covered, coats, lacks):
     """Fill coats of a first film that vertices lack, times the area's share that is newly covered.
 
     `coats`, what lies on each, becomes what it falls short of the film where it was covered
@@ -454,10 +420,9 @@ def _find_lacking(n, film, ids, cover, take, coverage, coats, lacks):
     """
     zero, short = np.float32(0.0), np.int32(0)
     for k in range(n):
-        v = as_index(ids[k])
-        whole, covered = film * take[v], coverage[v]
-        lacks[k] = whole * max(zero, cover[k] - covered)
-        coats[k] = whole * min(cover[k], covered) - coats[k]
+        whole = film * take[k]
+        lacks[k] = whole * max(zero, cover[k] - covered[k])
+        coats[k] = whole * min(cover[k], covered[k]) - coats[k]
         short = max(short, np.int32(coats[k] > zero))
     return short > 0
 
@@ -471,7 +436,7 @@ def _add_short(n, coats, heights, lacks):
 
 
 @uncounted(error_model="numpy")
-def _lay_first_film(coats, unit, before, found, n, field, ink):
+def _lay_first_film(coats, unit, before, sweep, found, n, field, ink):
     """Lay a film at once where the tuft comes to, however lightly and briefly it is touched.
 
     What is newly covered lacks all of it; where ink ran ahead of the tuft, or has dried, what comes
@@ -485,6 +450,7 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
         Coats that a share of 1 gets of what is given on the way; 0 where nothing is.
     before : Stamp
         What lies under it has got its film.
+    sweep : record of SWEEP
     found : Found
         The first `n` of it; their shares grow.
     n : int
@@ -495,17 +461,12 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
     float
         What it takes, coats x mm2; a small part of what the tuft holds at most.
     """
-    ids, share, lacks, heights = found.ids, found.share, found.lacks, found.heights
-    _fetch_coats(n, ids, ink.amounts, found.coats)
+    share, lacks = found.share, found.lacks
+    fetch_found(found, n, ink.coverage, found.covered)
     film = np.float32(coats)
-    short = _find_lacking(n, film, ids, found.cover, field.take, ink.coverage, found.coats, lacks)
-    if short:
-        heights[:n] = 0.0
-        if before.values[0].touches > 0.0:
-            _find_liquid(
-                n, ids, field.mx, field.my, field.mz, before.values[0], before.lines, heights
-            )
-        _add_short(n, found.coats, heights, lacks)
+    if _find_lacking(n, film, found.cover, found.take, found.covered, found.coats, lacks):
+        _find_heights(sweep.to_before, before, found, n)
+        _add_short(n, found.coats, found.heights, lacks)
     lacking = weighed_area(n, found.area, lacks, field.area_step)
     if lacking <= 0.0:
         return 0.0
@@ -520,7 +481,7 @@ def _lay_first_film(coats, unit, before, found, n, field, ink):
 
 
 @uncounted(error_model="numpy")
-def take_in(coats, before, after, landing, weighed, found, n, field, ink):
+def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
     """Let the surface take in what lands on the way and the first film; shares are changed.
 
     Parameters
@@ -531,7 +492,7 @@ def take_in(coats, before, after, landing, weighed, found, n, field, ink):
         Where the sweep begins and ends.
     landing, weighed : float
         Of what is given on the way, coats x mm2, and the area that it is shared by, mm2.
-    found, n, field, ink : as for `level_shares`
+    n, field, ink, scratch : as for `level_shares`
 
     Returns
     -------
@@ -540,11 +501,13 @@ def take_in(coats, before, after, landing, weighed, found, n, field, ink):
     weighed : float
         The area that is shared by now.
     """
-    rest, whole = 1.0, weighed
-    if landing > 0.0 and _saturate(after, found, n, field, ink):
+    rest, whole, found, sweep = 1.0, weighed, scratch.found, scratch.sweep[0]
+    fetch_found(found, n, field.take, found.take)
+    _fetch_coats(found.runs, found.count[0], found.ids, n, ink.amounts, found.coats)
+    if landing > 0.0 and _saturate(after, sweep, found, n, ink):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
         rest = weighed / whole
-    first = _lay_first_film(coats, landing / whole, before, found, n, field, ink)
+    first = _lay_first_film(coats, landing / whole, before, sweep, found, n, field, ink)
     if first > 0.0:
         weighed = weighed_area(n, found.area, found.share, field.area_step)
     return rest, first, weighed
@@ -605,13 +568,13 @@ def _ink_released(before, after, tuft, ink):
 
 
 @uncounted(error_model="numpy")
-def landing_share(area, width, weighed_area, found):
+def landing_share(area, width, weighed_area):
     """Share of the released ink that meets surface; the rest runs off its edge.
 
     The vertices stand for the area only to within a seam of half their spacing; a shortfall no
     larger than that is not a gap.
     """
-    if found == 0:
+    if weighed_area <= 0.0:
         return 0.0
     slack = 0.1 + width / np.sqrt(area)
     if slack >= 0.9:
@@ -619,11 +582,31 @@ def landing_share(area, width, weighed_area, found):
     return min(1.0, weighed_area / area / (1.0 - slack))
 
 
+@uncounted(error_model="numpy")
+def add_ink(found, n, share, coats, amounts, p):
+    """Add so many coats, times its share, to what every vertex found has of pigment p."""
+    _add_coats(
+        found.runs, found.count[0], found.ids, n, share, coats, amounts.reshape(amounts.size),
+        amounts.shape[1], p,
+    )  # fmt: skip
+
+
 @uncounted(error_model="numpy", apart=True)
-def add_ink(n, ids, share, coats, pigment):
-    """Add so many coats, times its share, to what every vertex has of a pigment."""
-    for k in range(n):
-        pigment[as_index(ids[k])] += coats * share[k]
+def _add_coats(runs, n_runs, ids, n, share, coats, amounts, stride, p):
+    """`add_ink` for arrays; the amounts of a pigment are `stride` apart."""
+    at = 0
+    for r in range(n_runs):
+        first, many = runs[r, 0], runs[r, 1]
+        own, target = share[at : at + many], amounts[first * stride : (first + many) * stride]
+        if stride == 1:
+            for k in range(many):
+                target[k] += coats * own[k]
+        else:
+            for k in range(many):
+                target[k * stride + p] += coats * own[k]
+        at += many
+    for k in range(at, n):
+        amounts[np.int64(ids[k]) * stride + p] += coats * share[k]
 
 
 @uncounted(error_model="numpy")
@@ -632,29 +615,57 @@ def _leave_ink(found, n, part, ink):
     for p in range(part.shape[0]):
         coats = np.float32(part[p])
         if coats != 0.0:
-            add_ink(n, found.ids, found.share, coats, ink.amounts[:, p])
-    note_covered(found, n, ink)
+            add_ink(found, n, found.share, coats, ink.amounts, p)
+    return note_covered(found, n, ink)
 
 
 @uncounted(error_model="numpy")
 def note_covered(found, n, ink):
-    """Note how much of each vertex's area is covered, and whose colour is out of date."""
-    ink.n_dirty[0] = _note(
-        n, found.ids, found.cover, ink.coverage, ink.dirty, ink.dirty_ids, ink.n_dirty[0]
-    )
+    """Note how much of each vertex's area is covered, and whose colour is out of date.
+
+    Returns how many vertices got paint.
+    """
+    painted, ink.n_dirty[0] = _note(
+        found.runs, found.count[0], found.ids, n, found.cover, ink.coverage, ink.dirty,
+        ink.dirty_ids, ink.n_dirty[0],
+    )  # fmt: skip
+    return painted
 
 
 @uncounted(error_model="numpy", apart=True)
-def _note(n, ids, cover, coverage, dirty, dirty_ids, count):
-    """`note_covered` for arrays; returns how many colours are out of date then."""
-    for k in range(n):
-        v = as_index(ids[k])
-        coverage[v] = max(coverage[v], cover[k])
-        if dirty[v] == 0:
-            dirty[v] = 1
-            dirty_ids[count] = v
-            count += 1
-    return count
+def _note(runs, n_runs, ids, n, cover, coverage, dirty, dirty_ids, count):
+    """`note_covered` for arrays; also returns how many colours are out of date then."""
+    zero, at, painted = np.float32(0.0), 0, 0
+    for r in range(n_runs):
+        first, many = runs[r, 0], runs[r, 1]
+        last = first + many
+        own, covered, marks = cover[at : at + many], coverage[first:last], dirty[first:last]
+        touched, fresh = np.int32(0), np.int32(0)
+        for k in range(many):
+            # one maximum more, or it is stored only where it is larger, which is slow
+            covered[k] = max(max(covered[k], own[k]), zero)
+        for k in range(many):
+            here = own[k] > zero
+            touched = np.int32(touched + np.int32(here))
+            fresh = np.int32(fresh | np.int32(here & (marks[k] == 0)))
+        painted += touched
+        if fresh > 0:
+            for k in range(many):
+                if own[k] > zero and marks[k] == 0:
+                    marks[k] = 1
+                    dirty_ids[count] = first + k
+                    count += 1
+        at += many
+    for k in range(at, n):
+        if cover[k] > zero:
+            v = ids[k]
+            coverage[v] = max(coverage[v], cover[k])
+            painted += 1
+            if dirty[v] == 0:
+                dirty[v] = 1
+                dirty_ids[count] = v
+                count += 1
+    return painted, count
 
 
 @uncounted(error_model="numpy")
@@ -774,28 +785,6 @@ def level_reservoirs(reservoirs):
             break
 
 
-@uncounted(error_model="numpy", forceinline=True)
-def _gather(before, after, field, scratch):
-    """Find and weigh every vertex that the sweep covers; -1 where the mesh needs room to grow."""
-    sweep = Sweep(scratch.sweep, scratch.between, before, after)
-    n_runs, n_cells = find_candidates(sweep, False, field, scratch)
-    if n_cells < 0:
-        return -1
-    found = 0
-    runs, values, counters = scratch.query.runs, scratch.sweep[0], scratch.counters
-    for r in range(n_runs):
-        first, last = runs[r, 0], runs[r, 1]
-        if runs[r, 2] == INSIDE:
-            counters[VISITED] += last - first
-            found = take_run(vertices_of(field), first, last, values, scratch.found, found)
-    while True:
-        n = next_block(n_runs, n_cells, True, values, field, scratch)
-        if n == 0:
-            return found
-        counters[VISITED] += n
-        found = weigh_block(n, sweep, scratch.block, scratch.found, found)
-
-
 @uncounted(error_model="numpy")
 def sweep_deposit(before, after, tuft, field, ink, scratch):
     """Deposit the ink of one sweep; False (and nothing changed) where the mesh has no room.
@@ -808,10 +797,10 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     wet = wetness(before, after, ink)
     level = min(1.0, wet)
     scratch.sweep[0].wet = wet
-    n = _gather(before, after, field, scratch)
+    n = find_vertices(before, after, field, scratch)
     if n < 0:
         return False
-    fetch(n, found.ids, field.area, found.area)
+    fetch_found(found, n, field.area, found.area)
     weighed = weighed_area(n, found.area, found.share, field.area_step)
     a = before.values[0]
     b = after.values[0]
@@ -819,14 +808,16 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if a.touches <= 0.0 or b.touches <= 0.0:
         area = max(a.area * a.touches, b.area * b.touches)
     total, released = _ink_released(before, after, tuft, ink)
-    if area < width * width and n == 0:
+    if area < width * width and weighed <= 0.0:
         released = 0.0  # a touch finer than the vertices leaves nothing yet
     released *= given_on_way(level)
-    landing = released * landing_share(area, width, weighed, n)
+    landing = released * landing_share(area, width, weighed)
     bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
     contact = dry_contact(level, find_way(before, after)[0], after, bundles, field, ink)
+    if level < 1.0 or absorbency(ink) > 0.0:
+        fetch_positions(found, n, field)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
-        n = thin_contact(contact, after, found, n, field, ink, scratch.block)
+        thin_contact(contact, after, found, n, ink, scratch.block)
         whole = weighed
         weighed = weighed_area(n, found.area, found.share, field.area_step)
         released *= weighed / whole
@@ -841,7 +832,9 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)
-        rest, first, weighed = take_in(coats, before, after, landing, weighed, found, n, field, ink)
+        rest, first, weighed = take_in(
+            coats, before, after, landing, weighed, n, field, ink, scratch
+        )
         released, landing = rest * released + first, rest * landing + first
     if ink.reservoirs.shape[0] > 1:
         deposit = Deposit(released, landing, weighed)
@@ -855,6 +848,5 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if ink.transfer[0].pickup > 0.0 and ink.reservoirs.shape[0] <= 1:
         for p in range(ink.load.shape[0]):
             ink.load[p] += scratch.taken[p]
-    _leave_ink(found, n, scratch.part, ink)
-    scratch.counters[PAINTED] += n
+    scratch.counters[PAINTED] += _leave_ink(found, n, scratch.part, ink)
     return True

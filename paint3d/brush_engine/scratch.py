@@ -7,18 +7,19 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.coverage import ROWS, WORK_ROWS
-from paint3d.brush_engine.footprint import BETWEEN_SHAPE, SWEEP
+from paint3d.brush_engine.coverage import Chords, make_chords
+from paint3d.brush_engine.footprint import SWEEP
 from paint3d.brush_engine.ink_transfer import LINES
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
 from paint3d.mesh.kernels.mesh_arrays import Patch, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
 
-__all__ = ["Block", "Found", "Query", "Scratch", "grow_scratch", "make_scratch"]
+__all__ = ["ROWS", "Block", "Found", "Query", "Scratch", "grow_scratch", "make_scratch"]
 
 _BLOCK = 2032  # vertices projected and weighed at a time; an odd number of cache lines
 _COUNTERS = 8
+ROWS = 7  # of numbers of a block's vertices
 
 
 class Query(NamedTuple):
@@ -30,35 +31,42 @@ class Query(NamedTuple):
     slopes: NDArray  # (sheets,) float32, greatest tangent of a cell's normals to the plane's,
     # negative where they look all ways
     discs: NDArray  # (DISC_ROWS, sheets or blocks) float32, cells or blocks laid in the plane
-    where: NDArray  # (2, sheets or blocks) uint8, where those lie to the sweep
+    fates: NDArray  # (sheets or blocks) uint8, where those lie to the sweep
     blocks: NDArray  # (blocks, 3) int32, runs of base vertices that may be reached
     runs: NDArray  # (cells + blocks, 3) int32, runs of base vertices, and where they lie
     cursor: NDArray  # (CURSOR_SIZE,) int64, where the next block of vertices begins
 
 
 class Block(NamedTuple):
-    """Vertices that are projected and weighed together (N at the most)."""
+    """Vertices that are worked on together (N at the most)."""
 
-    ids: NDArray  # (N,) int32
-    rows: NDArray  # (ROWS, N) float32, what `coverage` knows of each
-    packed_ids: NDArray  # (N,) int32, some of them, side by side
-    packed: NDArray  # (ROWS, N) float32
-    work: NDArray  # (WORK_ROWS, N) float32
-    near: NDArray  # (2, N) int32, places of those that an edge passes, straight or slowly
-    kinds: NDArray  # (N,) uint8, how the sweep covers each
-    eights: NDArray  # (N / 8,) uint64, the same memory: neighbours mostly share their fate, so
-    # eight of them are looked at together first
+    stretch: NDArray  # (N,) float32, how many times their area that of the plane is
+    rows: NDArray  # (ROWS, N) float32, scratch
+    work: NDArray  # (ROWS, N) float32
+    near: NDArray  # (2, N) int32
 
 
 class Found(NamedTuple):
-    """Vertices that a sweep covers; one more is written before it is known whether it counts."""
+    """Vertices that a sweep may cover: base vertices in runs, then those that refinement added.
 
+    One more is written before it is known whether it counts.
+    """
+
+    count: NDArray  # (1,) int64, runs
+    runs: NDArray  # (cells + 2 blocks + 1, 2) int32, first vertex of each, and how many
     ids: NDArray  # (cap + 1,) int32
+    ahead: NDArray  # (cap + 1,) float32, where they lie along the sweep's way, mm
+    aside: NDArray  # (cap + 1,) float32, and across it
     share: NDArray  # (cap + 1,) float32, of the ink: time-mean share covered, times the stretch
     cover: NDArray  # (cap + 1,) float32, greatest share covered, 0 to 1
     lanes: NDArray  # (cap + 1,) int16, of the hairs' map; a solid tuft has none
     under: NDArray  # (cap + 1,) float32, share that hairs cover there; a solid tuft has none
     area: NDArray  # (cap + 1,) float32, that the vertex stands for, mm2
+    take: NDArray  # (cap + 1,) float32, times its share of the ink that it takes
+    px: NDArray  # (cap + 1,) float32, where it is, mm
+    py: NDArray
+    pz: NDArray
+    covered: NDArray  # (cap + 1,) float32, share of its area that was covered already
     coats: NDArray  # (cap + 1,) float32, wet ink that lies there
     heights: NDArray  # (cap + 1,) float32, of the tuft's liquid over it
     lacks: NDArray  # (cap + 1,) float32, coats of a first film that it lacks
@@ -79,17 +87,16 @@ class Scratch(NamedTuple):
     tuft: NDArray  # (SCRATCH_SIZE,)
     reach: NDArray  # (OUTLINE_CAPACITY,)
     half_width: NDArray  # (OUTLINE_CAPACITY,)
-    bounds: NDArray  # (8,)
     sweep: NDArray  # (1,) of SWEEP
-    between: NDArray  # BETWEEN_SHAPE
+    chords: Chords
     part: NDArray  # (P,)
     taken: NDArray  # (P,)
     patch: Patch
     query: Query
     block: Block
     found: Found
-    lines: NDArray  # (3, LINES), of the footprint, along its way: both ends, and what each gets
-    gains: NDArray  # (2, LINES) float32, what they get as straight lines: first + second x place
+    gains: NDArray  # (2, LINES) float32, what lines of the footprint along its way get, as
+    # straight lines: first + second x place
 
 
 def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
@@ -105,16 +112,14 @@ def make_scratch(mesh: PaintMesh, n_pigments: int) -> Scratch:
         tuft=np.zeros(SCRATCH_SIZE),
         reach=np.zeros(OUTLINE_CAPACITY),
         half_width=np.zeros(OUTLINE_CAPACITY),
-        bounds=np.zeros(8),
         sweep=np.zeros(1, SWEEP),
-        between=np.zeros(BETWEEN_SHAPE),
+        chords=make_chords(),
         part=np.zeros(n_pigments),
         taken=np.zeros(n_pigments),
         patch=make_patch(mesh.n_sheets),
         query=_make_query(mesh),
         block=_make_block(),
         found=_make_found(mesh),
-        lines=np.zeros((3, LINES)),
         gains=np.zeros((2, LINES), np.float32),
     )
 
@@ -134,7 +139,7 @@ def _make_query(mesh: PaintMesh) -> Query:
         cells=np.zeros(sheets, np.int32),
         slopes=np.zeros(sheets, np.float32),
         discs=np.zeros((DISC_ROWS, max(sheets, blocks)), np.float32),
-        where=np.zeros((2, max(sheets, blocks)), np.uint8),
+        fates=np.zeros(max(sheets, blocks), np.uint8),
         blocks=np.zeros((blocks, 3), np.int32),
         runs=np.zeros((cells + blocks, 3), np.int32),
         cursor=np.zeros(CURSOR_SIZE, np.int64),
@@ -142,25 +147,19 @@ def _make_query(mesh: PaintMesh) -> Query:
 
 
 def _make_block() -> Block:
-    kinds = np.zeros(_BLOCK, np.uint8)
     return Block(
-        ids=np.zeros(_BLOCK, np.int32),
-        rows=np.zeros((ROWS, _BLOCK), np.float32),
-        packed_ids=np.zeros(_BLOCK, np.int32),
-        packed=np.zeros((ROWS, _BLOCK), np.float32),
-        work=np.zeros((WORK_ROWS, _BLOCK), np.float32),
-        near=np.zeros((2, _BLOCK), np.int32),
-        kinds=kinds,
-        eights=kinds.view(np.uint64),
+        np.zeros(_BLOCK, np.float32),
+        np.zeros((ROWS, _BLOCK), np.float32),
+        np.zeros((ROWS, _BLOCK), np.float32),
+        np.zeros((2, _BLOCK), np.int32),
     )
 
 
 def _make_found(mesh: PaintMesh) -> Found:
-    n = mesh.capacity + 1
+    n, runs = mesh.capacity + 1, mesh.n_cells + 2 * mesh.n_blocks + 1
+    kinds = {"ids": np.int32, "lanes": np.int16}
     return Found(
-        np.zeros(n, np.int32),
-        np.zeros(n, np.float32),
-        np.zeros(n, np.float32),
-        np.zeros(n, np.int16),
-        *(np.zeros(n, np.float32) for _ in range(6)),
+        np.zeros(1, np.int64),
+        np.zeros((runs, 2), np.int32),
+        *(np.zeros(n, kinds.get(name, np.float32)) for name in Found._fields[2:]),
     )

@@ -71,6 +71,7 @@ NEEDS_ROOM = 1
 _FINEST_STEP = 0.35  # of the paint's resolution: the shortest sweep, and how near samples count
 _STEP_SHARE = 0.25  # of the footprint's smaller extent: the longest sweep
 _BOW = 0.025  # of the paint's resolution: how far a sweep's chord may leave the path
+_TURN = 1.5  # of it: how far one end of an outline may turn about the other in a sweep
 _MOST_STEPS = 4096  # sweeps between two samples
 _DRAG_STEPS = 20.0  # per length of slack
 
@@ -387,7 +388,7 @@ def copy_stamp(source, target):
     target.values[0] = source.values[0]
     for k in range(PROFILE_CELLS + 2):
         target.half_widths[k] = source.half_widths[k]
-    for part in range(4):
+    for part in range(2):
         for k in range(PROFILE_CELLS):
             target.lines[part, k] = source.lines[part, k]
 
@@ -435,10 +436,22 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
             extent = 0.0
     step = max(_FINEST_STEP * resolution, _STEP_SHARE * extent)
     n = max(outline_motion(before, after) / step, np.sqrt(bow / (_BOW * resolution)))
+    if a.touches > 0.0 and b.touches > 0.0:
+        n = max(n, _turn(a, b) / (_TURN * resolution))
     if dragged:
         slack = drag_length(b.descent, tuft.length, tuft.drag_fraction)
         n = max(n, foot_motion(a, b) * _DRAG_STEPS / max(slack, resolution))
     return min(_MOST_STEPS, max(1, int(np.ceil(n))))
+
+
+@uncounted
+def _turn(a, b):
+    """How far one end of an outline turned about the other between two stamps' geometries, mm."""
+    sine = cosine = 0.0
+    for axis in range(3):
+        sine += b.bend[axis] * a.cross[axis]
+        cosine += b.bend[axis] * a.bend[axis]
+    return abs(np.arctan2(sine, cosine)) * max(a.tip - a.heel, b.tip - b.heel)
 
 
 @uncounted

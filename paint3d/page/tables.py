@@ -16,11 +16,10 @@ from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import LARGEST_DRAG_FRACTION, build_curves
 from paint3d.brush_engine.bristles.state import make_hairs
-from paint3d.brush_engine.coverage import ROWS, WORK_ROWS
 from paint3d.brush_engine.dry_contact import bundle_noise, contact_noise
-from paint3d.brush_engine.footprint import BETWEEN_SHAPE, PROFILE_CELLS
+from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.brush_engine.ink_transfer import LINES
-from paint3d.brush_engine.scratch import make_scratch
+from paint3d.brush_engine.scratch import ROWS, make_scratch
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
 from paint3d.colour.glazing import srgb_primaries
@@ -110,15 +109,14 @@ def _sizes() -> dict[str, Any]:
     smallest = TriangleMesh(corners, np.array([[0, 1, 2]], np.int32))
     scratch = make_scratch(PaintMesh.build(smallest, None), 1)
     return {
-        "block": len(scratch.block.ids),
+        "block": len(scratch.block.stretch),
         "counters": len(scratch.counters),
         "rows": ROWS,
-        "work_rows": WORK_ROWS,
         "cursor": CURSOR_SIZE,
         "disc_rows": DISC_ROWS,
         "tuft_scratch": SCRATCH_SIZE,
         "outline": OUTLINE_CAPACITY,
-        "between": BETWEEN_SHAPE,
+        "chords": {name: array.shape for name, array in scratch.chords._asdict().items()},
         "lines": LINES,
         "profile_cells": PROFILE_CELLS,
     }

@@ -30,13 +30,16 @@ from paint3d.brush_engine.bristles.contact import (
     add_up,
 )
 from paint3d.brush_engine.bristles.imprint import CELLS, LANES, PER_CELL, STATIONS, TIP
-from paint3d.brush_engine.coverage import fetch, weigh_passing, weighed_area
+from paint3d.brush_engine.coverage import hold_within, weighed_area
 from paint3d.brush_engine.dry_contact import dry_contact, note_way, thin_contact
-from paint3d.brush_engine.footprint import Sweep, find_way, outline_motion
+from paint3d.brush_engine.footprint import find_way, outline_motion
 from paint3d.brush_engine.ink_transfer import (
     PAINTED,
     Deposit,
+    absorbency,
     add_ink,
+    fetch_found,
+    fetch_positions,
     first_film,
     given_on_way,
     landing_share,
@@ -47,7 +50,7 @@ from paint3d.brush_engine.ink_transfer import (
     take_up_ink,
     wetness,
 )
-from paint3d.brush_engine.vertex_query import VISITED, find_candidates, next_block
+from paint3d.brush_engine.vertex_query import find_vertices
 from paint3d.core.kernel import kernel, uncounted
 
 __all__ = [
@@ -413,81 +416,70 @@ def _read_map(n, map_, places, parts, inks, covers):
         covers[k] = parts[2, k] * (one + t * (other - one))
 
 
-@uncounted(error_model="numpy")
-def _keep(n, places, whole_from, block, found, at):
-    """Append vertices to those found, weighed by what they found, but for those that found nothing.
+@uncounted(error_model="numpy", apart=True)
+def _turn_to_stamp(n, turn, ahead, aside, xs, ys):
+    """Where vertices that lie along the way and across lie in a stamp's own coordinates, mm."""
+    turn_x, turn_y, cosine, sine = turn
+    ox, oy, c, s = np.float32(turn_x), np.float32(turn_y), np.float32(cosine), np.float32(sine)
+    for k in range(n):
+        dx, dy = ahead[k] - ox, aside[k] - oy
+        xs[k], ys[k] = c * dx + s * dy, c * dy - s * dx
 
-    Returns how many are found then, `at` of them before.
-    """
-    ids, share, cover = block.packed_ids, block.packed[2], block.packed[3]
-    inks, covers = block.packed[4], block.packed[5]
-    out_ids, out_share, out_cover, lanes = found.ids, found.share, found.cover, found.lanes
-    kept = np.uint32(at)
+
+@uncounted(error_model="numpy", apart=True)
+def _weigh_by_map(n, places, inks, covers, whole_from, share, cover, under, lanes):
+    """Weigh vertices by what they found in the map; what found nothing gets nothing."""
     for k in range(n):
         covered = covers[k]
         most = covered if covered > whole_from else whole_from
-        out_ids[kept] = ids[k]
-        out_share[kept] = share[k] * inks[k] / most
-        out_cover[kept] = cover[k] * covered / most
-        found.under[kept] = covered
-        lanes[kept] = places[k] & _LANE
-        kept += np.uint32(covered > _FAINTEST)
-    return np.int64(kept)
+        here = _ONE / most if covered > _FAINTEST else _ZERO
+        share[k] *= inks[k] * here
+        cover[k] *= covered * here
+        under[k] = covered
+        lanes[k] = places[k] & _LANE
 
 
 @uncounted(error_model="numpy")
-def _gather_under_hairs(imprint, whole_from, before, after, field, scratch):
-    """Find the vertices that hairs pass over, and weigh them by what lies there.
+def _look_up_hairs(imprint, whole_from, n, scratch):
+    """Weigh the vertices that an outline covers by the hairs that pass over them.
 
     The way from the stamp before is no longer than the vertices lie apart, so that the imprint at
     its end is that of all of it. Vertices are looked up where it ends, or where they lay under it
-    before.
+    last.
 
     Parameters
     ----------
     imprint : Imprint
     whole_from : float
         Share that hairs cover from which on all is.
-    before, after : Stamp
-        The second touches.
-    field : SurfaceField
+    n : int
+        Vertices in `scratch.found`, which get the lane of the map that each lies in, and what hairs
+        cover there.
     scratch : Scratch
-        `found` is filled, with the lane of the map of each.
-
-    Returns
-    -------
-    found : int
-        Vertices that hairs reached; -1 where the mesh needs room to grow.
-    within : int
-        Vertices that the outline covers.
-    weighed : float
-        Area that those stand for, weighed, mm2.
     """
-    alone = before.values[0].touches <= 0.0
-    first = after if alone else before
-    moved = outline_motion(first, after)
-    sweep, block = Sweep(scratch.sweep, scratch.between, first, after), scratch.block
-    n_runs, n_cells = find_candidates(sweep, alone, field, scratch)
-    if n_cells < 0:
-        return -1, 0, 0.0
+    sweep, chords, found, block = scratch.sweep[0], scratch.chords, scratch.found, scratch.block
     map_ = imprint.map.reshape(imprint.map.size)
     tip, per_cell = np.float32(imprint.numbers[TIP]), np.float32(imprint.numbers[PER_CELL])
-    packed, places, parts = block.packed, block.near[1], block.work[:3]
-    areas = block.work[3]
-    found, within, weighed = 0, 0, 0.0
-    while True:
-        n = next_block(n_runs, n_cells, False, scratch.sweep[0], field, scratch)
-        if n == 0:
-            return found, within, weighed
-        scratch.counters[VISITED] += n
-        m = weigh_passing(n, sweep, moved, block)
-        within += m
-        fetch(m, block.packed_ids, field.area, areas)
-        weighed += weighed_area(m, areas, packed[2], field.area_step)
-        _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, packed[0], places, parts)
-        _find_lanes(m, packed[1], places, parts)
-        _read_map(m, map_, places, parts, packed[4], packed[5])
-        found = _keep(m, places, whole_from, block, scratch.found, found)
+    turn = sweep.to_after
+    rows, places, parts, size = block.rows, block.near[1], block.work[:3], block.stretch.shape[0]
+    for first in range(0, n, size):
+        m = min(size, n - first)
+        last = first + m
+        ahead, aside, xs, ys = rows[0], rows[1], rows[2], rows[3]
+        own_ahead, own_aside = found.ahead[first:last], found.aside[first:last]
+        for k in range(m):
+            ahead[k], aside[k] = own_ahead[k], own_aside[k]
+        hold_within(
+            m, sweep.scale, chords.flanks[1], chords.grids[1], chords.lines[1], ahead, aside
+        )
+        _turn_to_stamp(m, (turn[0], turn[1], turn[2], turn[3]), ahead, aside, xs, ys)
+        _find_stations(m, tip, per_cell, imprint.cells, imprint.widths, xs, places, parts)
+        _find_lanes(m, ys, places, parts)
+        _read_map(m, map_, places, parts, rows[4], rows[5])
+        _weigh_by_map(
+            m, places, rows[4], rows[5], whole_from, found.share[first:last],
+            found.cover[first:last], found.under[first:last], found.lanes[first:last],
+        )  # fmt: skip
 
 
 @uncounted(error_model="numpy", apart=True)
@@ -506,9 +498,8 @@ def _leave(mix, landing, found, n, field, ink):
             weighed = weighed_area(n, found.area, found.coats, field.area_step)
             if weighed > 0.0:
                 coats = np.float32(landing[p] / weighed)
-                add_ink(n, found.ids, found.coats, coats, ink.amounts[:, p])
+                add_ink(found, n, found.coats, coats, ink.amounts, p)
                 landing[p] = 0.0
-    note_covered(found, n, ink)
 
 
 @uncounted(error_model="numpy")
@@ -526,7 +517,6 @@ def _leave_along(before, after, lands, n, hairs, field, ink, scratch):
     if released > 0.0 or ink.transfer[0].pickup > 0.0:
         deposit = Deposit(released, landing, weighed)
         leave_from_reservoirs(before, after, deposit, found, n, field, ink, scratch.taken)
-    note_covered(found, n, ink)
     _mix_hairs(hairs.load, ink.load)
 
 
@@ -571,28 +561,30 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     scratch.sweep[0].wet = wet
     dry = min(1.0, (1.0 - level) / _DRIES)
     whole_from = np.float32(_BRIDGED + dry * (_WHOLE - _BRIDGED))
-    n, within, weighed = _gather_under_hairs(
-        hairs.imprint, whole_from, before, after, field, scratch
-    )
+    n = find_vertices(before, after, field, scratch)
     if n < 0:
         return False
-    fetch(n, found.ids, field.area, found.area)
+    fetch_found(found, n, field.area, found.area)
+    within = weighed_area(n, found.area, found.share, field.area_step)
+    _look_up_hairs(hairs.imprint, whole_from, n, scratch)
+    weighed = weighed_area(n, found.area, found.share, field.area_step)
     come_from = before.values[0]
     area = after.values[0].area
     if come_from.touches > 0.0:
         area = 0.5 * (come_from.area + area)
-    bare = n == 0 and within > 0  # no hair lies over the vertices that the outline covers
-    scale = 0.0 if bare or (area < width * width and within == 0) else given_on_way(level)
-    lands = landing_share(area, width, weighed, within)
+    bare = weighed <= 0.0 < within  # no hair lies over the vertices that the outline covers
+    scale = 0.0 if bare or (area < width * width and within <= 0.0) else given_on_way(level)
+    lands = landing_share(area, width, within)
     bristles = hairs.bristles
     bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
     reached = min(1.0, _OWN_GAPS * level)
     contact = dry_contact(reached, find_way(before, after)[0], after, bundles, field, ink)
-    if level < 1.0 and n > 0:  # hairs that run dry give less, and only to the heights
-        whole = weighed_area(n, found.area, found.share, field.area_step)
-        n = thin_contact(contact, after, found, n, field, ink, scratch.block)
+    if level < 1.0 or absorbency(ink) > 0.0:
+        fetch_positions(found, n, field)
+    if level < 1.0 and weighed > 0.0:  # hairs that run dry give less, and only to the heights
+        thin_contact(contact, after, found, n, ink, scratch.block)
         rest = weighed_area(n, found.area, found.share, field.area_step)
-        scale *= rest / whole if whole > 0.0 else 0.0
+        scale *= rest / weighed
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
@@ -601,8 +593,10 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     weighed = weighed_area(n, found.area, found.share, field.area_step)
     if landing > 0.0 and weighed > 0.0:
         coats = first_film(level, transfer_per_mm, bristles.root_mm, ink)
-        rest, first, _ = take_in(coats, before, after, landing, weighed, found, n, field, ink)
-        scale *= rest + first / landing
+        rest, first, _ = take_in(coats, before, after, landing, weighed, n, field, ink, scratch)
+        given = scale * rest + first / ready  # all of the film lands
+        lands = (scale * rest * lands + first / ready) / given if given > 0.0 else lands
+        scale = given
     _take_from_hairs(hairs.load, hairs.hair_contacts, scale, hairs.whole_sums, hairs.released)
     if ink.reservoirs.shape[0] > 1:
         _leave_along(before, after, lands, n, hairs, field, ink, scratch)
@@ -617,7 +611,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
             _give_to_hairs(hairs.load, hairs.hair_contacts, scratch.taken)
     _level(hairs, ink.transfer[0].capacity, outline_motion(before, after))
     sum_hairs(hairs.load, ink.load)
-    scratch.counters[PAINTED] += n
+    scratch.counters[PAINTED] += note_covered(found, n, ink)
     return True
 
 

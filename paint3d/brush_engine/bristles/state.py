@@ -122,7 +122,7 @@ def make_hairs(bristles: bt.Bristles, load: NDArray, memory: NDArray) -> Hairs:
         clear=zeros_on_lines(CONTACT_SIZE, np.float32),
         known=np.full(3, np.nan),
         kept=np.zeros(1, KEPT),
-        kept_lines=np.zeros((4, PROFILE_CELLS), np.float32),
+        kept_lines=np.zeros((2, PROFILE_CELLS), np.float32),
         sums=zeros_on_lines(3 * bt.BLOCK, np.float32),
         whole_sums=np.zeros(bt.BLOCK),
         bins=np.zeros((LEVEL_BINS, n_pigments + 1)),

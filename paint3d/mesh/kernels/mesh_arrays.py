@@ -25,7 +25,7 @@ __all__ = [
     "sheet_of",
 ]
 
-BLOCK_VERTICES = 32  # base vertices to a block: neighbours, looked at together
+BLOCK_VERTICES = 16  # base vertices to a block: neighbours, looked at together
 
 
 @uncounted

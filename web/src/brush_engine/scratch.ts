@@ -9,12 +9,12 @@ export interface Sizes {
   block: number;
   counters: number;
   rows: number;
-  work_rows: number;
   cursor: number;
   disc_rows: number;
   tuft_scratch: number;
   outline: number;
-  between: [number, number];
+  chords: { points: number[]; flanks: number[]; grids: number[]; cuts: number[]; sums: number[];
+    nodes: number[]; lines: number[]; bands: number[] };
   lines: number;
   profile_cells: number;
 }
@@ -48,7 +48,7 @@ export function makeStamp(kernels: Kernels, sizes: Sizes): Stamp {
   return {
     values: kernels.records("brush_engine.footprint.GEOMETRY"),
     half_widths: kernels.zeros("f8", sizes.profile_cells + 2),
-    lines: kernels.zeros("f4", 4, sizes.profile_cells),
+    lines: kernels.zeros("f4", 2, sizes.profile_cells),
   };
 }
 
@@ -66,7 +66,7 @@ export function makeScratch(
 ): Scratch {
   const { nSheets: sheets, nCells: cells, nBlocks: blocks } = mesh;
   const n = sizes.block;
-  const kinds = kernels.zeros("u1", n);
+  const chords = sizes.chords;
   const zeros = kernels.zeros.bind(kernels);
   return {
     counters: zeros("i8", sizes.counters),
@@ -79,9 +79,17 @@ export function makeScratch(
     tuft: zeros("f8", sizes.tuft_scratch),
     reach: zeros("f8", sizes.outline),
     half_width: zeros("f8", sizes.outline),
-    bounds: zeros("f8", 8),
     sweep: kernels.records("brush_engine.footprint.SWEEP"),
-    between: zeros("f8", ...sizes.between),
+    chords: {
+      points: zeros("f8", ...chords.points),
+      flanks: zeros("f8", ...chords.flanks),
+      grids: zeros("f8", ...chords.grids),
+      cuts: zeros("f8", ...chords.cuts),
+      sums: zeros("f8", ...chords.sums),
+      nodes: zeros("f8", ...chords.nodes),
+      lines: zeros("u4", ...chords.lines),
+      bands: zeros("f4", ...chords.bands),
+    },
     part: zeros("f8", nPigments),
     taken: zeros("f8", nPigments),
     patch: {
@@ -96,23 +104,18 @@ export function makeScratch(
       cells: zeros("i4", sheets),
       slopes: zeros("f4", sheets),
       discs: zeros("f4", sizes.disc_rows, Math.max(sheets, blocks)),
-      where: zeros("u1", 2, Math.max(sheets, blocks)),
+      fates: zeros("u1", Math.max(sheets, blocks)),
       blocks: zeros("i4", blocks, 3),
       runs: zeros("i4", cells + blocks, 3),
       cursor: zeros("i8", sizes.cursor),
     },
     block: {
-      ids: zeros("i4", n),
+      stretch: zeros("f4", n),
       rows: zeros("f4", sizes.rows, n),
-      packed_ids: zeros("i4", n),
-      packed: zeros("f4", sizes.rows, n),
-      work: zeros("f4", sizes.work_rows, n),
+      work: zeros("f4", sizes.rows, n),
       near: zeros("i4", 2, n),
-      kinds,
-      eights: kinds.seenAs("u8"),
     },
     found: makeFound(kernels, mesh),
-    lines: zeros("f8", 3, sizes.lines),
     gains: zeros("f4", 2, sizes.lines),
   };
 }
@@ -132,16 +135,26 @@ export function growScratch(
 
 function makeFound(kernels: Kernels, mesh: PaintMesh): { [name: string]: NDArray } {
   const n = mesh.capacity + 1;
+  const single = (): NDArray => kernels.zeros("f4", n);
   return {
+    count: kernels.zeros("i8", 1),
+    runs: kernels.zeros("i4", mesh.nCells + 2 * mesh.nBlocks + 1, 2),
     ids: kernels.zeros("i4", n),
-    share: kernels.zeros("f4", n),
-    cover: kernels.zeros("f4", n),
+    ahead: single(),
+    aside: single(),
+    share: single(),
+    cover: single(),
     lanes: kernels.zeros("i2", n),
-    under: kernels.zeros("f4", n),
-    area: kernels.zeros("f4", n),
-    coats: kernels.zeros("f4", n),
-    heights: kernels.zeros("f4", n),
-    lacks: kernels.zeros("f4", n),
-    brings: kernels.zeros("f4", n),
+    under: single(),
+    area: single(),
+    take: single(),
+    px: single(),
+    py: single(),
+    pz: single(),
+    covered: single(),
+    coats: single(),
+    heights: single(),
+    lacks: single(),
+    brings: single(),
   };
 }
