@@ -5,7 +5,7 @@ import { MeshError, type Note } from "../files/mesh_error";
 import type { Wanted } from "../files/wanted";
 import type { Prepared } from "../mesh/prepared";
 import type { Contents, Fetch } from "../studio";
-import type { Told } from "./object_worker";
+import type { ObjectReply } from "./object_worker";
 
 /** A file, and how it is to be read. */
 export interface OwnFile {
@@ -36,10 +36,10 @@ export async function bringObject(
   if (signal.aborted) throw new Cancelled();
   const worker = new Worker(new URL("./object_worker.ts", import.meta.url), { type: "module" });
   try {
-    const { prepared, notes } = await new Promise<Extract<Told, { prepared: unknown }>>((done, failed) => {
+    const { prepared, notes } = await new Promise<Extract<ObjectReply, { prepared: unknown }>>((done, failed) => {
       signal.addEventListener("abort", () => failed(new Cancelled()));
       worker.onerror = (event) => failed(new Error(event.message || "the worker did not start"));
-      worker.onmessage = ({ data }: MessageEvent<Told>) => {
+      worker.onmessage = ({ data }: MessageEvent<ObjectReply>) => {
         if ("share" in data) progress(data.share);
         else if ("prepared" in data) done(data);
         else failed("refused" in data ? new MeshError(data.refused.text, data.refused.fields) : new Error(data.failed));
