@@ -116,6 +116,7 @@ export class Studio {
       brush = this.fetch(file)
         .then((bytes) => Bundle.read<BrushWords>(bytes, file))
         .then((bundle) => new Brush(this.kernels, bundle));
+      brush.catch(() => this.#brushes.delete(name)); // it may be had later
       this.#brushes.set(name, brush);
     }
     return brush;

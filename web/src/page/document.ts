@@ -274,7 +274,8 @@ export class Document {
 
   /** Lay a text, in the place of the one of a number or beside all: a step that can be undone. */
   layText(text: LaidText, number = this.#texts.length): void {
-    this.#changeTexts(number, [text], { do: "lay_text", text, number });
+    const isNew = number === this.#texts.length;
+    this.#changeTexts(number, [text], { do: "lay_text", text, ...(isNew ? {} : { number }) });
   }
 
   /** Take a text off the object: a step that can be undone. */
@@ -284,10 +285,9 @@ export class Document {
 
   #changeTexts(number: number, by: LaidText[], line: Line): void {
     if (this.#inStroke) return;
-    const isNew = number === this.#texts.length;
     this.#begin();
     this.#texts = [...this.#texts.slice(0, number), ...by, ...this.#texts.slice(number + 1)];
-    this.#lines.push(isNew ? { ...line, number: undefined } : line);
+    this.#lines.push(line);
   }
 
   #begin(): void {

@@ -10,7 +10,7 @@ import { Ahead } from "./ahead";
 import { ballAround, Camera } from "./camera";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
-import { Copybook, type LaidText } from "./copybook";
+import { Copybook, type Guides, type LaidText } from "./copybook";
 import { CopybookList } from "./copybook_list";
 import { SealList, type CutSeal } from "./seal_list";
 import { PASTE } from "../seal/pressing";
@@ -18,7 +18,7 @@ import { SealLines } from "../seal/stone";
 import type { LayerEdit } from "./document";
 import type { Piece, State, Told } from "./engine";
 import { EngineClient } from "./engine_client";
-import type { Engaged } from "./engine_worker";
+import type { EngineCalls } from "./engine_worker";
 import { LayerList } from "./layer_list";
 import type { HandSettings, PointerInput } from "./hand";
 import { Keeper } from "./keeper";
@@ -52,7 +52,7 @@ const KEY_ZOOM = 1.2;
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** How a piece is opened. */
-interface Opening {
+interface OpenOptions {
   signal?: AbortSignal; // it is not wanted any more
   material?: string;
   score?: string; // that is painted again
@@ -87,7 +87,7 @@ class Page {
   readonly #texts = new CopybookList({
     lay: (text) => this.#layText(text),
     change: (number, words) => this.#changeTexts("changeText", number, words),
-    remove: (number) => this.#changeTexts("removeText", number),
+    remove: (number) => this.#changeTexts("removeText", number, this.#inHand().state.texts.length),
     place: (number) => this.#whenTapped(say("place"), (event) => this.#changeTexts("moveText", number, this.#inputOf(event))),
     write: (number) => void this.#write(number),
   });
@@ -118,7 +118,7 @@ class Page {
   #drawn = false; // whether a frame is asked for
   #isMoved = false; // whether the object is seen as somebody has turned it
   #changes: PictureChange[] = []; // that are not shown yet
-  #heardMs = 0.0; // up to when what the pointer did is in them
+  #paintedToMs = 0.0; // up to when what the pointer did is in them
   #pointer: number | null = null; // that is down and paints
   #nBegun = 0; // strokes
   #nAsked = 0; // of the thread that paints, and not answered
@@ -337,7 +337,7 @@ class Page {
   /** Open an object, fresh, or as a score leaves it; nothing is changed where `signal` comes before it is ready. */
   async open(
     contents: Contents, about: Contents["objects"][number],
-    { signal = this.#another(), material, score = "", own = null, isKept = false, brush = this.#brush, ink = this.#ink }: Opening = {},
+    { signal = this.#another(), material, score = "", own = null, isKept = false, brush = this.#brush, ink = this.#ink }: OpenOptions = {},
   ): Promise<void> {
     const goOn = (): void => {
       if (signal.aborted) throw new Cancelled();
@@ -382,6 +382,7 @@ class Page {
     for (const later of heard.slice(1)) this.#hear(later);
     this.#spreads = piece.isPorous;
     void this.#ask("setSpreads", this.#spreads);
+    void this.#ask("setShown", !document.hidden);
     this.#tapped = this.#tapping = this.#pointer = this.#turning = null; // what is down was down on the piece before
     this.#touches.clear();
     this.#setWrites(false);
@@ -411,16 +412,18 @@ class Page {
 
   // -- the thread that paints -----------------------------------------------------------------
 
-  /** Have something done to the painting, and say if it went wrong. */
-  async #ask<N extends keyof Engaged>(
-    name: N, ...words: Parameters<Engaged[N]>
-  ): Promise<Awaited<ReturnType<Engaged[N]>> | undefined> {
+  /** Have something done to the painting, and say if it went wrong: what cannot be had now ends nothing. */
+  async #ask<N extends keyof EngineCalls>(
+    name: N, ...words: Parameters<EngineCalls[N]>
+  ): Promise<Awaited<ReturnType<EngineCalls[N]>> | undefined> {
     const { engine } = this.#inHand();
     this.#nAsked++;
     try {
       return await engine.call(name, ...words);
     } catch (cause) {
-      if (engine === this.#opened?.engine) this.fail(cause);
+      if (engine !== this.#opened?.engine) return undefined; // another piece is open by now
+      if (cause instanceof Missing) this.#notice(say(cause.key, cause.fields));
+      else this.fail(cause);
       return undefined;
     } finally {
       this.#nAsked--;
@@ -428,7 +431,7 @@ class Page {
   }
 
   /** Take up what is told of the painting. */
-  #hear({ state, score, guides, picture, heardMs }: Told): void {
+  #hear({ state, score, guides, picture, paintedToMs }: Told): void {
     const opened = this.#inHand();
     const before = opened.state;
     opened.state = state;
@@ -441,7 +444,7 @@ class Page {
     else this.#showState();
     if (picture !== undefined) {
       this.#changes.push(picture);
-      this.#heardMs = heardMs;
+      this.#paintedToMs = paintedToMs;
     }
     this.draw();
   }
@@ -459,7 +462,8 @@ class Page {
   #restore(): void {
     this.#stage.restore();
     this.#changes = [];
-    this.#message.hidden = true;
+    if (this.#opened === null) return;
+    if (this.#message.textContent === say("noWebGl")) this.#message.hidden = true; // else another piece is being opened
     void this.#ask("showAnew");
   }
 
@@ -485,7 +489,7 @@ class Page {
     element("tools").replaceChildren(
       choice("brush", say("brush"), contents.brushes.map(named),
         contents.brushes.findIndex((one) => one.name === this.#brush),
-        (k) => this.#takeBrush(contents.brushes[k].name)),
+        (k) => void this.#takeBrush(contents.brushes[k].name)),
       choice("inks", say("ink"), contents.inks.map(named),
         contents.inks.findIndex((one) => one.name === this.#ink),
         (k) => this.#takeInk(contents.inks[k].name)),
@@ -518,8 +522,8 @@ class Page {
     this.#panel.fill("layers", this.#layers.element);
     this.#panel.fill("save",
       section(say("keep"),
-        button("picture", say("picture"), () => void this.savePicture()),
-        button("score", say("score"), () => void this.saveScore()),
+        button("picture", say("picture"), () => this.#savePicture().catch((cause: unknown) => this.fail(cause))),
+        button("score", say("score"), () => void this.#saveScore()),
         button("glb", "GLB", () => void this.#saveObject("glb")),
         button("ply", "PLY", () => void this.#saveObject("ply")),
         note(say(this.#keeper === null ? "notKept" : "kept"))),
@@ -575,11 +579,12 @@ class Page {
 
   // -- the copybook ---------------------------------------------------------------------------
 
+  /** Have texts shown and written; what is needed for that is loaded first. */
   async #openCopybook(): Promise<void> {
     const file = this.#contents?.copybook?.file;
     if (file === undefined) return;
     const guided = this.#ask("openCopybook", file);
-    this.#copybook ??= await Copybook.read(this.#fetch, file);
+    this.#copybook ??= await this.#hadOf(Copybook.read(this.#fetch, file));
     await guided;
     this.#showTexts();
   }
@@ -587,8 +592,19 @@ class Page {
   async #openSeals(): Promise<void> {
     const file = this.#contents?.seals?.file;
     if (file === undefined) return;
-    this.#sealLines ??= await SealLines.read(this.#fetch, file);
+    this.#sealLines ??= await this.#hadOf(SealLines.read(this.#fetch, file));
     this.#showSeals();
+  }
+
+  /** What is loaded; null where it cannot be had, which is said. */
+  async #hadOf<T>(loading: Promise<T>): Promise<T | null> {
+    try {
+      return await loading;
+    } catch (cause) {
+      if (!(cause instanceof Missing)) throw cause;
+      this.#notice(say(cause.key, cause.fields));
+      return null;
+    }
   }
 
   #showSeals(): void {
@@ -619,13 +635,13 @@ class Page {
     if (this.#copybook !== null) this.#texts.show(this.#copybook, state.texts, this.#contents?.copybook?.text ?? "");
   }
 
-  /** The lines that are shown to be written after, their points in pairs, mm. */
-  guides(): Record<string, number[]> {
+  /** The lines that are shown to be written after. */
+  guides(): { [lines in keyof Guides]: number[] } {
     const { outlines, grid } = this.#stage.guides;
     return { outlines: [...outlines], grid: [...grid] };
   }
 
-  #changeTexts<N extends "layText" | "changeText" | "moveText" | "removeText">(name: N, ...words: Parameters<Engaged[N]>): void {
+  #changeTexts<N extends "layText" | "changeText" | "moveText" | "removeText">(name: N, ...words: Parameters<EngineCalls[N]>): void {
     this.#tapped = null; // it may have another number now
     void this.#ask(name, ...words);
   }
@@ -653,7 +669,7 @@ class Page {
   }
 
   #restack(edit: LayerEdit): void {
-    void this.#ask("restack", edit);
+    void this.#ask("restack", edit, this.#inHand().state.layerKeys);
   }
 
   #showLayers(): void {
@@ -683,9 +699,9 @@ class Page {
     void this.#replace(named(about), (contents, signal) => this.open(contents, about, { signal, material, own }));
   }
 
-  #takeBrush(name: string): void {
-    if (this.#writes) return this.#showInHand();
-    void this.#ask("takeBrush", name);
+  async #takeBrush(name: string): Promise<void> {
+    if (!this.#writes) await this.#ask("takeBrush", name);
+    this.#showInHand(); // which may be the one before
   }
 
   #takeInk(name: string): void {
@@ -821,10 +837,11 @@ class Page {
   // -- files ----------------------------------------------------------------------------------
 
   /** Save what is seen, as PNG. */
-  async savePicture(): Promise<void> {
+  async #savePicture(): Promise<void> {
     const camera = this.#camera;
     if (camera === null) return;
-    await this.shown();
+    await this.#ask("show");
+    this.#drawNow(performance.now());
     this.#stage.draw(camera, false);
     const seen = document.createElement("canvas");
     Object.assign(seen, { width: this.#canvas.width, height: this.#canvas.height });
@@ -834,13 +851,14 @@ class Page {
     context.fillRect(0, 0, seen.width, seen.height);
     context.drawImage(this.#canvas, 0, 0);
     const blob = await new Promise<Blob | null>((done) => seen.toBlob(done, "image/png"));
-    if (blob !== null) save(blob, `${this.#name()}.png`);
+    if (blob === null) throw new Missing("noMemory");
+    save(blob, `${this.#name()}.png`);
   }
 
   /** Save what was done, for `paint3d replay`. */
-  async saveScore(): Promise<void> {
-    const text = await this.score();
-    save(new Blob([text], { type: "application/jsonl" }), `${this.#name()}.score.jsonl`);
+  async #saveScore(): Promise<void> {
+    const text = await this.#ask("score");
+    if (text !== undefined) save(new Blob([text], { type: "application/jsonl" }), `${this.#name()}.score.jsonl`);
   }
 
   async #saveObject(kind: "glb" | "ply"): Promise<void> {
@@ -918,8 +936,8 @@ class Page {
       for (const change of changes) this.#stage.follow(change);
       this.#stage.draw(this.#camera);
       if (changes.length > 0) {
-        this.#opened?.engine.seen();
-        this.#ahead.shown(this.#heardMs);
+        void this.#ask("pictureShown");
+        this.#ahead.shown(this.#paintedToMs);
       }
       this.#ahead.draw();
     } catch (cause) {
@@ -987,7 +1005,7 @@ class Page {
       if (this.#opened !== null) void this.#ask("setShown", !document.hidden);
     });
     addEventListener("beforeunload", (event) => {
-      if (this.#isPainted && this.#keeper?.isSound !== true) event.preventDefault();
+      if (this.#isPainted && !this.isKept) event.preventDefault();
     });
   }
 
@@ -1012,7 +1030,7 @@ class Page {
       Home: () => this.#showAll(),
       "+": zoom(KEY_ZOOM), "=": zoom(KEY_ZOOM), "-": zoom(1.0 / KEY_ZOOM),
       ArrowLeft: along(-1, 0), ArrowRight: along(1, 0), ArrowUp: along(0, -1), ArrowDown: along(0, 1),
-    }[key] ?? (brush === undefined ? undefined : () => this.#takeBrush(brush.name)); // prettier-ignore
+    }[key] ?? (brush === undefined ? undefined : () => void this.#takeBrush(brush.name)); // prettier-ignore
     act?.();
     return act !== undefined;
   }
@@ -1090,6 +1108,8 @@ class Page {
     const came = await this.#ask("down", this.#inputOf(event), erases, this.#dipAlways && !erases ? this.#ink : null);
     if (came === "paints" || number !== this.#nBegun || this.#pointer === null) return; // or it is up again
     this.#pointer = null;
+    this.#ahead.end();
+    this.draw();
     if (came === "hidden") this.#notice(say("isHidden"));
     else if (came === "beside") this.#turning = { pointer, pans: false, x, y };
   }
