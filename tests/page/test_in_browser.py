@@ -406,6 +406,7 @@ def test_a_move_ends_with_the_text_that_was_to_be_moved(browser: Browser) -> Non
         settled(browser)
     score = browser.evaluate("paint3d.score()")
     assert (score.count("lay_text"), score.count("begin_stroke")) == (2, 2)
+    removed = score.count("remove_text")
     for _ in range(2):
         browser.evaluate(f"{at('addText')}.click()")
         settled(browser)
@@ -413,6 +414,7 @@ def test_a_move_ends_with_the_text_that_was_to_be_moved(browser: Browser) -> Non
     browser.evaluate(f"(off => {{ off.click(); off.click(); }})({at('takeOff')})")
     settled(browser)
     assert browser.evaluate("paint3d.guides().outlines.length") == n / 2 > 0
+    assert browser.evaluate("paint3d.score()").count("remove_text") == removed + 1
     browser.evaluate(f"{at('text')}.focus()")
     escape = {"key": "Escape", "code": "Escape", "windowsVirtualKeyCode": 27}
     browser.call("Input.dispatchKeyEvent", type="keyDown", **escape)
@@ -961,9 +963,9 @@ def test_the_page_turns_the_object_while_a_long_stroke_is_painted(
     browser: Browser, tmp_path: Path
 ) -> None:
     begin_with(browser, BOWL)
+    browser.stroke(wave(380.0, 360.0, 60.0)[:8], lifts=False)
     settled(browser)
     before = picture(browser, tmp_path / "before.png")
-    browser.stroke(wave(380.0, 360.0, 60.0)[:8], lifts=False)
     browser.evaluate(  # more than the painter can have done soon, said at once
         "window.coalesced = PointerEvent.prototype.getCoalescedEvents;"
         "PointerEvent.prototype.getCoalescedEvents = function () { return Array.from("
@@ -984,7 +986,9 @@ def test_the_page_turns_the_object_while_a_long_stroke_is_painted(
     browser.evaluate(frame)
     assert browser.evaluate("window.painted") is False
     turned = picture(browser, tmp_path / "turned.png")
-    assert np.abs(turned - before)[60:].max() > 60.0
+    differs = np.abs(turned - before) > 60.0
+    differs[280:480, 320:560] = False  # where it is painted
+    assert differs[60:].any()
     browser.call("Input.dispatchMouseEvent", type="mouseReleased", x=760.0, y=320.0, **turning)
     lifted = {**pen, "type": "mouseReleased", "buttons": 0, "force": 0.0}
     browser.call("Input.dispatchMouseEvent", x=444.0, y=381.0, **lifted)
@@ -1086,6 +1090,7 @@ def test_fingers_paint_turn_and_zoom_and_a_pen_is_told_from_its_palm(
         nearer = picture(browser, tmp_path / "nearer.png")
         assert (nearer < 60.0).sum() > 1.3 * (turned < 60.0).sum() > 0  # the stroke is larger
         browser.evaluate("document.getElementById('whole').click()")
+        undone = browser.evaluate("paint3d.score()").count('"undo"')
         palm = [(560.0 + k, 470.0) for k in range(8)]
         touch(browser, palm, lifts=False)  # the palm comes first, and paints until there is a pen
         browser.stroke(wave(400.0, 360.0, 160.0))
@@ -1093,6 +1098,7 @@ def test_fingers_paint_turn_and_zoom_and_a_pen_is_told_from_its_palm(
         found = settled(browser)
         said = browser.evaluate("paint3d.score()")
         assert said.count("begin_stroke") - said.count('"undo"') == 2  # the finger's and the pen's
+        assert said.count('"undo"') == undone + 1  # the palm's
         assert found["amounts"] != bare["amounts"]
         browser.evaluate("new Promise(done => setTimeout(done, 900))")  # the palm is gone
         n = said.count("begin_stroke")

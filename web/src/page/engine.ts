@@ -12,9 +12,10 @@ import { NoRoomError, NoTouchError, USUAL_PRESSING } from "../seal/print";
 import { Studio, type Contents, type Fetch } from "../studio";
 import type { Layer } from "../surface/layer_stack";
 import { Copybook, USUAL, type Guides, type LaidText } from "./copybook";
-import { Document, type LayerEdit } from "./document";
+import { Document, type Handling, type LayerEdit } from "./document";
 import { glbOf, plyOf } from "./export";
 import { Hand, type HandSettings, type PointerInput } from "./hand";
+import { Pacing } from "./pacing";
 import { PictureFeed, type PictureChange } from "./picture_feed";
 import type { CutSeal } from "./seal_list";
 
@@ -32,6 +33,7 @@ export interface Opening {
   material?: string;
   own: Bundle<ObjectWords> | null; // an object that somebody has brought
   score: string; // that is painted again
+  handling?: Handling;
   hand: HandSettings;
 }
 
@@ -82,6 +84,7 @@ export class Engine {
   #timer: ReturnType<typeof setTimeout> | null = null;
   #passedMs = 0.0; // of that time
   #keptMs = 0.0;
+  #pacing: Pacing | null = null; // of a score that is being played
   #mayPush = true; // no picture is on its way to the page
   #isDue = false; // something is to be told
 
@@ -98,11 +101,11 @@ export class Engine {
 
   /** Open a piece, fresh, or as a score leaves it; `progress` is told the share that is painted again. */
   static async open(
-    fetch: Fetch, { about, brush, ink, material, own, score, hand }: Opening, progress: (share: number) => void,
+    fetch: Fetch, { about, brush, ink, material, own, score, handling, hand }: Opening, progress: (share: number) => void,
     tell: (told: Told) => void, fail: (cause: unknown) => void,
   ): Promise<Engine> {
     const studio = await Studio.open(fetch);
-    const painting = await Document.open(studio, about, brush, ink, material, own);
+    const painting = await Document.open(studio, about, brush, ink, material, own, handling);
     if (score !== "") await painting.repeat(studio, score, progress);
     const engine = new Engine(studio, painting, hand, tell, fail);
     engine.#tellNow(true);
@@ -171,7 +174,7 @@ export class Engine {
       told.picture = this.#feed.change();
       this.#mayPush = this.#isDue = false;
     }
-    if (isDone || now - this.#keptMs > KEPT_EVERY_MS) {
+    if (this.#pacing === null && (isDone || now - this.#keptMs > KEPT_EVERY_MS)) {
       this.#keptMs = now;
       told.score = painting.takeNew(); // last, as what is taken has to be told: the rest may fail
     }
@@ -368,6 +371,31 @@ export class Engine {
     }
   }
 
+  /**
+   * Play a score on the bare object, as it was painted, within so many seconds; 0: as fast as can be. None
+   * of its lines is told to be kept.
+   */
+  async play(score: string, mostS: number): Promise<void> {
+    const pacing = new Pacing(score, 1000.0 * mostS);
+    this.#pacing = pacing;
+    const pause = (line: number): Promise<void> | null => {
+      const due = pacing.before(line);
+      if (due !== null) this.#changed();
+      return due;
+    };
+    try {
+      await this.painting.repeat(this.studio, score, () => {}, pause);
+    } finally {
+      this.#pacing = null;
+    }
+    this.#act(() => {});
+  }
+
+  /** Play the rest of a score at once. */
+  hurry(): void {
+    this.#pacing?.hurry();
+  }
+
   // -- wet ink --------------------------------------------------------------------------------
 
   setSpreads(on: boolean): void {
@@ -383,7 +411,7 @@ export class Engine {
   }
 
   get #passes(): boolean {
-    return this.#spreads && this.#isShown && !this.painting.surface.water.isStill;
+    return this.#spreads && this.#isShown && this.#pacing === null && !this.painting.surface.water.isStill;
   }
 
   /** Let time pass from now on, if there is something that it changes. */

@@ -3,7 +3,9 @@
 import { KernelError } from "../core/kernels";
 import { RecordingError } from "../recording/recording";
 import { UnknownNameError, type Fetch } from "../studio";
+import { startWorker } from "./carried";
 import type { Piece, Told } from "./engine";
+import script from "./engine_worker.ts?worker&url";
 import type { EngineCalls, Failure, OpeningWords, Reply, Request } from "./engine_worker";
 import { Cancelled } from "./own_object";
 
@@ -19,19 +21,19 @@ export interface Listener {
 }
 
 export class EngineClient {
-  readonly #worker = new Worker(new URL("./engine_worker.ts", import.meta.url), { type: "module" });
   readonly #awaited = new Map<number, Pending>();
   #opening: Pending | null = null;
   readonly #missed = new Map<string, unknown>(); // files that could not be had, and why
   #number = 0;
 
   private constructor(
+    private readonly worker: Worker,
     private readonly fetch: Fetch,
     private readonly progress: (share: number) => void,
     private readonly listener: Listener,
   ) {
-    this.#worker.onmessage = ({ data }: MessageEvent<Reply>) => this.#hear(data);
-    this.#worker.onerror = (event) => {
+    this.worker.onmessage = ({ data }: MessageEvent<Reply>) => this.#hear(data);
+    this.worker.onerror = (event) => {
       event.preventDefault();
       const cause = new Error(event.message || "the thread that paints did not start");
       this.#fail(cause);
@@ -44,7 +46,7 @@ export class EngineClient {
     fetch: Fetch, words: OpeningWords, progress: (share: number) => void, listener: Listener, signal: AbortSignal,
   ): Promise<[EngineClient, Piece]> {
     if (signal.aborted) throw new Cancelled();
-    const client = new EngineClient(fetch, progress, listener);
+    const client = new EngineClient(await startWorker(script), fetch, progress, listener);
     try {
       const piece = await new Promise<Piece>((done, failed) => {
         client.#opening = { done, failed };
@@ -72,12 +74,12 @@ export class EngineClient {
 
   /** End the thread; what is awaited of it is cancelled. */
   close(): void {
-    this.#worker.terminate();
+    this.worker.terminate();
     this.#failAll(new Cancelled());
   }
 
   #post(request: Request): void {
-    this.#worker.postMessage(request);
+    this.worker.postMessage(request);
   }
 
   #hear(reply: Reply): void {

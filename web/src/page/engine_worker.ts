@@ -97,7 +97,7 @@ onmessage = ({ data }: MessageEvent<Request>): void => {
   const { number, name, words } = data;
   const call = (engine[name] as (...words: readonly unknown[]) => unknown).bind(engine, ...words);
   const done = before.then(call);
-  if (name !== "write") before = done.catch(() => {}); // else others are served while a hand writes
+  if (name !== "write" && name !== "play") before = done.catch(() => {}); // else others are served meanwhile
   done.then(
     (result) => post({ number, result }),
     (cause: unknown) => post({ number, failed: failureOf(cause) }),

@@ -5,9 +5,10 @@ import type { Vector } from "../core/quaternion";
 import { times } from "../core/vectors";
 import { MULTI_AXIS } from "../device/six_dof";
 import { hidOf, SpaceMouse, type HidDevice } from "../device/space_mouse";
-import { UnknownNameError, type Contents, type Fetch } from "../studio";
+import { SCORE, UnknownNameError, type Contents, type Fetch } from "../studio";
 import { Ahead } from "./ahead";
 import { ballAround, Camera } from "./camera";
+import { carried } from "./carried";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
 import { Copybook, type Guides, type LaidText } from "./copybook";
@@ -15,7 +16,7 @@ import { CopybookList } from "./copybook_list";
 import { SealList, type CutSeal } from "./seal_list";
 import { PASTE } from "../seal/pressing";
 import { SealLines } from "../seal/stone";
-import type { LayerEdit } from "./document";
+import { handlingOf, type LayerEdit } from "./document";
 import type { Piece, State, Told } from "./engine";
 import { EngineClient } from "./engine_client";
 import type { EngineCalls } from "./engine_worker";
@@ -49,6 +50,7 @@ const SLIP_PX = 6; // that a finger goes before it paints,
 const SLIP_MS = 90; // or how long it is alone
 const STEP_PX = 40; // that a key turns, or moves
 const KEY_ZOOM = 1.2;
+const PLAYED_IN_S = 30.0; // at most
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** How a piece is opened. */
@@ -56,6 +58,7 @@ interface OpenOptions {
   signal?: AbortSignal; // it is not wanted any more
   material?: string;
   score?: string; // that is painted again
+  playedIn?: number; // s, at most, while it is seen to grow; without, it is shown when it is done
   own?: OwnObject | null; // that somebody has brought
   isKept?: boolean; // whether the browser keeps it already
   brush?: string;
@@ -96,7 +99,8 @@ class Page {
   #sealLines: SealLines | null = null;
   #tapping: PointerEvent | null = null; // that is down there
   #tapped: ((event: PointerEvent) => void) | null = null; // what is done where the object is tapped next
-  #writes = false; // a planned hand
+  #writes = false; // a planned hand, or a painting that grows
+  #plays = false; // the latter
   #opening: AbortController | null = null; // what is opened last, or was
   #nMarks = 0; // of the painting in hand, when it was asked whether it may go
   #asked: OwnFile | null = null; // that is being prepared
@@ -150,7 +154,7 @@ class Page {
   readonly #fetch: Fetch = (name) => {
     let file = this.#files.get(name);
     if (file === undefined) {
-      file = fetch(name).then(
+      file = carried(name) ?? fetch(name).then(
         (answer) => {
           if (!answer.ok) throw new Missing("noFile", { name, status: answer.status });
           return answer.arrayBuffer();
@@ -201,9 +205,11 @@ class Page {
     this.#contents = contents;
     this.#brush = contents.brushes[0].name;
     this.#ink = contents.inks[0].name;
-    this.#keeper = await Keeper.open();
+    const { painting } = contents;
+    const score = painting === undefined ? "" : new TextDecoder().decode(await this.#fetch(SCORE));
+    this.#keeper = await Keeper.open(painting === undefined ? "paint3d" : `paint3d ${painting.id}`);
     const text = (await this.#keeper?.read().catch(() => "")) ?? "";
-    if (/begin_stroke|press_seal/.test(text)) {
+    if (/begin_stroke|press_seal/.test(text) && text !== score) {
       const file = await this.#keeper?.readObject().catch(() => undefined);
       try {
         await this.#goOn(contents, text, this.#another(), { file, isKept: true });
@@ -213,7 +219,9 @@ class Page {
         save(new Blob([text], { type: "application/jsonl" }), "kept.score.jsonl"); // what is not opened is not lost
       }
     }
-    await this.open(contents, contents.objects[0], { signal: this.#another() });
+    if (painting === undefined) return this.open(contents, contents.objects[0], { signal: this.#another() });
+    await this.#goOn(contents, score, this.#another(), { playedIn: 0.0 });
+    this.#notice(say("replayNote"));
   }
 
   /** Give up what is being opened, for something else. */
@@ -302,7 +310,8 @@ class Page {
 
   /** Open the piece that a score of a page says, on a file where it is none of the folder's. */
   async #goOn(
-    contents: Contents, text: string, signal: AbortSignal, { file, isKept }: { file?: OwnFile; isKept?: boolean },
+    contents: Contents, text: string, signal: AbortSignal,
+    { file, isKept, playedIn }: { file?: OwnFile; isKept?: boolean; playedIn?: number },
   ): Promise<void> {
     const head = headOf(text);
     if (head === null) throw new Missing("noHead");
@@ -322,7 +331,7 @@ class Page {
     const ink = inkOf(contents, head.ink);
     if (ink === undefined) throw new Missing("noInk", { ink: JSON.stringify(head.ink) });
     await this.open(contents, about, {
-      signal, score: text, own, isKept, material: head.material as string | undefined, brush: String(head.brush), ink: ink.name,
+      signal, score: text, own, isKept, playedIn, material: head.material as string | undefined, brush: String(head.brush), ink: ink.name,
     }); // prettier-ignore
   }
 
@@ -337,7 +346,9 @@ class Page {
   /** Open an object, fresh, or as a score leaves it; nothing is changed where `signal` comes before it is ready. */
   async open(
     contents: Contents, about: Contents["objects"][number],
-    { signal = this.#another(), material, score = "", own = null, isKept = false, brush = this.#brush, ink = this.#ink }: OpenOptions = {},
+    {
+      signal = this.#another(), material, score = "", playedIn, own = null, isKept = false, brush = this.#brush, ink = this.#ink,
+    }: OpenOptions = {},
   ): Promise<void> {
     const goOn = (): void => {
       if (signal.aborted) throw new Cancelled();
@@ -348,7 +359,8 @@ class Page {
     let listen = (told: Told): void => void heard.push(told);
     const listener = { told: (told: Told) => listen(told), failed: (cause: unknown) => this.fail(cause) };
     const words = {
-      about, brush, ink, material, score, hand: this.#handSettings,
+      about, brush, ink, material, hand: this.#handSettings, handling: handlingOf(headOf(score) ?? {}),
+      score: playedIn === undefined ? score : "",
       own: own === null ? null : { ...own.prepared, name: own.file.name },
     }; // prettier-ignore
     const progress = (share: number): void => {
@@ -368,8 +380,14 @@ class Page {
       throw cause;
     }
     const told = heard[0];
-    if (!isKept) this.#keeper?.begin(own?.file ?? null);
-    this.#keeper?.append(isKept ? told.score : whole);
+    const keep = (text: string): void => {
+      if (!isKept) {
+        this.#keeper?.begin(own?.file ?? null);
+        this.#keeper?.append(text);
+      } else if (playedIn === undefined) this.#keeper?.append(told.score); // the end of a stroke without one
+    };
+    const camera = playedIn !== undefined && this.#opened?.piece.mesh === piece.mesh ? this.#camera : null;
+    if (playedIn === undefined) keep(whole); // else when all of it is painted
     this.#opened?.engine.close();
     if (own !== null) this.#own = own;
     this.#asked = null;
@@ -380,7 +398,7 @@ class Page {
     this.#show(piece, told.picture as PictureChange);
     listen = (later) => this.#hear(later);
     for (const later of heard.slice(1)) this.#hear(later);
-    this.#spreads = piece.isPorous;
+    this.#spreads = piece.isPorous && contents.painting === undefined; // what was painted elsewhere is shown as it was left
     void this.#ask("setSpreads", this.#spreads);
     void this.#ask("setShown", !document.hidden);
     this.#tapped = this.#tapping = this.#pointer = this.#turning = null; // what is down was down on the piece before
@@ -390,8 +408,41 @@ class Page {
     else if (this.#copybook !== null) void this.#ask("openCopybook", contents.copybook?.file ?? "");
     if (this.#opening?.signal === signal) this.#message.hidden = true; // else something else is being opened
     this.showBar();
-    this.#showAll();
+    if (camera === null) this.#showAll();
+    else this.#camera = camera; // the same object, as it was seen
     this.draw();
+    if (playedIn !== undefined) await this.#play(score, playedIn, keep);
+  }
+
+  /** Let a painting grow on the bare object that is open, before anybody else paints on it. */
+  async #play(score: string, playedIn: number, keep: (text: string) => void): Promise<void> {
+    const opened = this.#inHand();
+    this.#setPlays(true);
+    await this.#ask("play", score, playedIn);
+    if (this.#opened !== opened) return; // something else is open by now
+    this.#setPlays(false);
+    keep(score);
+  }
+
+  #setPlays(on: boolean): void {
+    this.#plays = on;
+    this.#setWrites(on);
+    this.showBar();
+  }
+
+  /** Show how the piece in hand was painted, from the bare object on. */
+  async #replay(): Promise<void> {
+    if (this.#plays) return void this.#ask("hurry");
+    const contents = this.#contents;
+    if (contents === null || this.#writes || this.#pointer !== null) return;
+    const score = await this.#ask("score");
+    if (score === undefined) return;
+    const file = this.#isOnOwn ? this.#own?.file : undefined;
+    try {
+      await this.#goOn(contents, score, this.#another(), { file, playedIn: PLAYED_IN_S, isKept: true });
+    } catch (cause) {
+      if (!(cause instanceof Cancelled)) this.fail(cause);
+    }
   }
 
   /** See an object from where it is painted best. */
@@ -473,7 +524,7 @@ class Page {
   showBar(): void {
     const [contents, opened] = [this.#contents, this.#opened];
     if (contents === null || opened === null) return;
-    document.title = say("title");
+    document.title = contents.painting?.title ?? say("title");
     element("hint").textContent = say(matchMedia("(pointer: coarse)").matches ? "hintTouch" : "hint");
     const objects = this.#objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
     const filled = document.createElement("span");
@@ -508,7 +559,11 @@ class Page {
     };
     const copybook = tab("copybook", say(contents.seals === undefined ? "copybook" : "copybookAndSeal"));
     copybook.hidden = contents.copybook === undefined && contents.seals === undefined;
+    const next = this.#plays ? "toEnd" : "replay";
+    const replay = button("replay", say(next), () => void this.#replay(), next);
+    const isFirst = contents.painting !== undefined || this.#plays; // what one may want before all else
     element("acts").replaceChildren(
+      ...(isFirst ? [replay] : []),
       button("undo", say("undo"), () => this.#step("undo"), "undo"),
       button("redo", say("redo"), () => this.#step("redo"), "redo"),
       button("whole", say("view"), () => this.#showAll(), "whole"),
@@ -538,6 +593,7 @@ class Page {
           contents.materials.findIndex((one) => one.name === opened.piece.material),
           (k) => this.#change(this.#object, contents.materials[k].name)),
         ...this.#ownControls(),
+        ...(isFirst ? [] : [replay]),
         button("fresh", say("fresh"), () => this.#change(this.#object, opened.piece.material)),
         button("own", say("ownObject"), () => askForFile(SUFFIXES.join(","), (file) => this.#openFile(file)))),
       section(say("water"),

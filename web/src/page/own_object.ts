@@ -5,7 +5,9 @@ import { MeshError, type Note } from "../files/mesh_error";
 import type { Wanted } from "../files/wanted";
 import type { Prepared } from "../mesh/prepared";
 import type { Contents, Fetch } from "../studio";
+import { startWorker } from "./carried";
 import type { ObjectReply } from "./object_worker";
+import script from "./object_worker.ts?worker&url";
 
 /** A file, and how it is to be read. */
 export interface OwnFile {
@@ -34,7 +36,7 @@ export async function bringObject(
 ): Promise<OwnObject> {
   const [wasm, index, common] = await Promise.all(["kernels.wasm", "kernels.json", "common.bin.gz"].map(fetch));
   if (signal.aborted) throw new Cancelled();
-  const worker = new Worker(new URL("./object_worker.ts", import.meta.url), { type: "module" });
+  const worker = await startWorker(script);
   try {
     const { prepared, notes } = await new Promise<Extract<ObjectReply, { prepared: unknown }>>((done, failed) => {
       signal.addEventListener("abort", () => failed(new Cancelled()));
