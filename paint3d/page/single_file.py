@@ -280,7 +280,8 @@ def _joined(built: Path, title: str) -> str:
     """A built page with all that it loads in one text."""
     page = (built / "index.html").read_text("utf-8")
     (script,), (style,) = ([*(built / "assets").glob(f"index-*.{kind}")] for kind in ("js", "css"))
-    code = re.sub(r"</(?=script)|<(?=!--)", r"<\\/", script.read_text("utf-8"), flags=re.IGNORECASE)
+    code = re.sub(r"</(?=script)", r"<\\/", script.read_text("utf-8"), flags=re.IGNORECASE)
+    assert "<!--" not in code, "a script within HTML has no such comment"
     look = style.read_text("utf-8")
     blocks = []
     for file in sorted(built.rglob("*")):
