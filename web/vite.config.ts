@@ -11,7 +11,7 @@ const LICENCES = holds("noble-hashes", "@noble/hashes/LICENSE") + holds("meshopt
 /** `npm run build`: the page, where `paint3d page build` takes it from. */
 export default defineConfig({
   base: "./", // it works in any folder of any host
-  worker: { format: "es", rolldownOptions: { output: { banner: ({ name }) => (name.startsWith("object_worker") ? LICENCES : "") } } },
+  worker: { rolldownOptions: { output: { banner: ({ name }) => (name.startsWith("object_worker") ? LICENCES : "") } } },
   build: {
     outDir: "../paint3d/page/built",
     emptyOutDir: true,

@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import logging
 import sys
+from dataclasses import replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from paint3d.cli.options import (
     BUILT_IN_OBJECTS,
@@ -20,10 +23,19 @@ from paint3d.cli.picture import add_light_options, viewing_of
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import add_painting_argument, open_painting
 
+if TYPE_CHECKING:
+    from paint3d.files.export_options import ExportOptions
+    from paint3d.files.progress import Progress
+    from paint3d.files.project.session import Session
+    from paint3d.mesh.triangle_mesh import TriangleMesh
+
+_LOG = logging.getLogger("paint3d")
+
 __all__ = ["EXAMPLES", "add_arguments", "run"]
 
 EXAMPLES = """
 paint3d export vase.p3d vase.html
+paint3d export vase.p3d vase.html --view-only
 paint3d export vase.p3d vase.3mf --filaments 4
 """
 
@@ -72,6 +84,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help=".p3d.txt: seven numbers a vertex, as the paper prints them, instead of nine",
     )
+    form.add_argument(
+        "--view-only",
+        action="store_true",
+        help=".html: a page that turns the object, and nothing else (default: one that also shows "
+        "how it was painted, and lets one paint on it)",
+    )
     add_light_options(parser)
     add_force_option(parser)
     add_quiet_option(parser)
@@ -83,6 +101,8 @@ def _parse_filaments(text: str) -> int | list[str]:
 
 def run(options: argparse.Namespace) -> None:
     """Open the painting and write the file.
+
+    A page (.html) is one that paints where that can be, else one that shows the object and why.
 
     Raises
     ------
@@ -109,6 +129,7 @@ def run(options: argparse.Namespace) -> None:
                     painting=options.painting,
                 )
             save_session(painting, options.file, progress)
+            why_not = None
         else:
             wishes = ExportOptions(
                 tolerance=options.tolerance,
@@ -121,7 +142,42 @@ def run(options: argparse.Namespace) -> None:
                 packed_normals=options.packed_normals,
                 viewing=viewing,
             )
-            surface = painting.surface if isinstance(painting, Session) else painting
-            export(surface, options.file, wishes, progress)
+            is_page = options.file.suffix.lower() == ".html" and not options.view_only
+            why_not = _write_page(painting, options.file, wishes, progress) if is_page else None
+            if why_not is not None:
+                wishes = replace(wishes, note=f"It cannot be painted on here: {why_not}.")
+            if not is_page or why_not is not None:
+                surface = painting.surface if isinstance(painting, Session) else painting
+                export(surface, options.file, wishes, progress)
+    if why_not is not None:
+        _LOG.warning("%s only shows the painting: %s", options.file, why_not)
     if not options.quiet:
         sys.stdout.write(f"{options.file}\n")
+
+
+def _write_page(
+    painting: Session | TriangleMesh, file: Path, wishes: ExportOptions, progress: Progress | None
+) -> str | None:
+    """Write a page that paints; why it cannot, where it cannot."""
+    from paint3d.errors import ExportError, InputError
+    from paint3d.files.export_options import ExportOptions
+    from paint3d.files.progress import part_of
+    from paint3d.files.project.session import Session
+    from paint3d.page import folder
+    from paint3d.page.single_file import page_score, write_single_file
+
+    if not isinstance(painting, Session):
+        return "it is no session (.p3d), which knows how it was painted"
+    if wishes != ExportOptions(tolerance=wishes.tolerance, exact=wishes.exact):
+        return "it was to be written with other colours, a unit or an axis"
+    try:
+        folder.check_built(folder.BUILT, folder.KERNELS)
+    except ExportError as cause:
+        _LOG.warning("%s", cause)
+        return "it was written where the page is not built"
+    try:
+        score = page_score(painting, part_of(progress, 0.0, 0.5))
+        write_single_file(painting, score, file, part_of(progress, 0.5, 1.0), page=folder.BUILT)
+    except InputError as cause:
+        return str(cause)
+    return None

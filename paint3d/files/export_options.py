@@ -47,6 +47,8 @@ class ExportOptions:
         Width and height of a picture, pixels.
     viewing : Viewing or None
         In which light, by which observer and for which screen the colours are to be.
+    note : str
+        What a page that shows the object says below it (HTML).
 
     Raises
     ------
@@ -64,6 +66,7 @@ class ExportOptions:
     packed_normals: bool = False
     size: tuple[int, int] | None = None
     viewing: Viewing | None = None
+    note: str = ""
 
     @property
     def gamut(self) -> str | None:

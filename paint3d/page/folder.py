@@ -29,6 +29,7 @@ from paint3d.core.kernel_library import FORMAT, INDEX, is_unchanged
 from paint3d.errors import ExportError, InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.sheet_mesh import sheet_of
+from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.page.bundle import write_bundle
 from paint3d.page.copybook import copybook_table
 from paint3d.page.seals import seal_table
@@ -41,7 +42,7 @@ from paint3d.page.tables import (
 )
 from paint3d.surface.granulation import COARSE_UM
 
-__all__ = ["BRUSHES", "INKS", "MATERIALS", "OBJECTS", "PageObject", "build_page"]
+__all__ = ["BRUSHES", "INKS", "MATERIALS", "OBJECTS", "PageObject", "build_page", "check_built"]
 
 KERNELS = Path(__file__).with_name("machine_code")
 """Where ``python -m tools.kernels --for wasm32`` puts the kernels."""
@@ -50,10 +51,11 @@ BUILT = Path(__file__).with_name("built")
 
 
 class PageObject(NamedTuple):
-    """An object, and the longest edge where there is paint, mm."""
+    """An object, the longest edge where there is paint, mm, and its mesh where no file has it."""
 
     name: str
     resolution: float
+    mesh: TriangleMesh | None = None
 
 
 OBJECTS = (PageObject("bowl", 0.4), PageObject("square", 0.4))
@@ -114,15 +116,9 @@ def build_page(
         have.
     """
     load_glyphs(open_glyphs(None), "".join(copybook.split()))  # or says what is unknown
-    index = _read_index(kernels)
-    if page is not None and not (page / "index.html").is_file():
-        raise ExportError(
-            "the page is not built: {page} has no index.html; expected it to be",
-            page=page,
-            hint="npm ci && npm run build, in web/",
-        )
+    index = check_built(page, kernels)
     pigments, stirred = _pigments_of(inks)
-    loaded = [(one, load_mesh(one.name)) for one in objects]
+    loaded = [(one, load_mesh(one.name) if one.mesh is None else one.mesh) for one in objects]
     sheets = [sheet_of(mesh) for _, mesh in loaded]
     usual = ["porcelain" if sheet is None else sheet.usual.material for sheet in sheets]
     made_of = [load_material(name) for name in dict.fromkeys([*usual, *materials])]
@@ -181,6 +177,24 @@ def build_page(
     except OSError as cause:
         raise ExportError("{file}: cannot write the page: {cause}", file=out, cause=cause) from None
     progress(1.0)
+
+
+def check_built(page: Path | None, kernels: Path) -> dict[str, Any]:
+    """The index of the page's kernels.
+
+    Raises
+    ------
+    ExportError
+        If they are not compiled, or are those of other sources, or the page is not built.
+    """
+    index = _read_index(kernels)
+    if page is not None and not (page / "index.html").is_file():
+        raise ExportError(
+            "the page is not built: {page} has no index.html; expected it to be",
+            page=page,
+            hint="npm ci && npm run build, in web/",
+        )
+    return index
 
 
 def _read_index(kernels: Path) -> dict[str, Any]:

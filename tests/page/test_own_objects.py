@@ -82,7 +82,7 @@ def packed_glb(path: Path, **changes: Any) -> None:
     ]  # fmt: skip
     hows: list[dict[str, Any]] = [
         {"byteStride": 12, "count": n, "mode": "ATTRIBUTES", **changes},
-        {"byteStride": 4, "count": m, "mode": "TRIANGLES"},
+        {"byteStride": 4, "count": m, "mode": "TRIANGLES", "filter": "EXPONENTIAL"},  # has none
         {"byteStride": 4, "count": n, "mode": "ATTRIBUTES", "filter": "OCTAHEDRAL"},
     ]
     start, views = 0, []

@@ -12,7 +12,6 @@ import { gunzipSync } from "node:zlib";
 
 import { Bundle } from "./core/bundle";
 import type { KernelIndex } from "./core/kernels";
-import { readyForGlb } from "./files/formats/glb";
 import { filled, MeshError } from "./files/mesh_error";
 import { openOwnObject } from "./files/own_object";
 import { readMesh } from "./files/reading";
@@ -94,8 +93,7 @@ async function ownObject(path: string, resolution: number, wanted?: Wanted): Pro
 /** What is read of a file, or why it cannot be. */
 async function read(path: string, wanted?: Wanted): Promise<unknown> {
   try {
-    await readyForGlb();
-    const { mesh, notes } = readMesh(basename(path), new Uint8Array(await readFile(path)), wanted);
+    const { mesh, notes } = await readMesh(basename(path), new Uint8Array(await readFile(path)), wanted);
     const bytes = (array: ArrayBufferView | null): string =>
       array === null ? "" : sha(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
     return {

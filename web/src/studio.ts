@@ -12,6 +12,9 @@ import { PaintMesh, readTree, type ObjectWords } from "./mesh/refined_mesh";
 import type { Ink } from "./painter/painter";
 import { PaintedSurface } from "./surface/painted_surface";
 
+/** The score of the painting that a page of one file carries. */
+export const SCORE = "painting.score.jsonl";
+
 /** What there is, by name: `contents.json`. */
 export interface Contents {
   version: string;
@@ -21,6 +24,7 @@ export interface Contents {
   materials: { name: string; chinese: string; file: string }[];
   copybook?: { file: string; text: string };
   seals?: { file: string }; // lines that they are cut from
+  painting?: { title: string; id: string }; // that a page of one file shows first: `SCORE`
 }
 
 /** What lies below the ink: a material, and its tables. */
@@ -116,6 +120,7 @@ export class Studio {
       brush = this.fetch(file)
         .then((bytes) => Bundle.read<BrushWords>(bytes, file))
         .then((bundle) => new Brush(this.kernels, bundle));
+      brush.catch(() => this.#brushes.delete(name)); // it may be had later
       this.#brushes.set(name, brush);
     }
     return brush;

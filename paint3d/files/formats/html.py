@@ -42,6 +42,7 @@ def write_html(
     *,
     title: str = "painting",
     edges: Edges | None = None,
+    note: str = "",
 ) -> None:
     """Write a viewer with the object, seen first from its painted side.
 
@@ -58,6 +59,8 @@ def write_html(
     title : str
     edges : Edges, optional
         Those of the paint (V vertices), shown sharp; by default colours are interpolated there.
+    note : str
+        What is said below it.
 
     Raises
     ------
@@ -80,6 +83,7 @@ def write_html(
     data = rows.tobytes() + faces.astype("<u4").tobytes()
     parts = {
         "title": html.escape(title),
+        "note": html.escape(note),
         "about": json.dumps(about),
         "mesh": base64.b64encode(zlib.compress(data, COMPRESSION)).decode("ascii"),
         "style": _resource("viewer.css"),

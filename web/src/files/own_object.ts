@@ -4,7 +4,6 @@ import { Bundle } from "../core/bundle";
 import { Kernels, type KernelIndex } from "../core/kernels";
 import { prepare, type Prepared } from "../mesh/prepared";
 import type { StudioWords } from "../studio";
-import { readyForGlb } from "./formats/glb";
 import type { Note } from "./mesh_error";
 import { readMesh } from "./reading";
 import type { Wanted } from "./wanted";
@@ -24,8 +23,7 @@ export interface Given {
 export async function openOwnObject(
   { wasm, index, common, name, data, resolution, wanted }: Given, progress: (share: number) => void,
 ): Promise<Prepared & { notes: Note[] }> {
-  await readyForGlb();
-  const { mesh, notes } = readMesh(name, data, wanted);
+  const { mesh, notes } = await readMesh(name, data, wanted);
   progress(0.1);
   const [kernels, bundle] = await Promise.all([
     Kernels.load(wasm, index), Bundle.read<StudioWords>(common, "common.bin.gz"),

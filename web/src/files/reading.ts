@@ -2,7 +2,7 @@
 
 import { makeMesh, type TriangleMesh } from "../mesh/triangle_mesh";
 import { triangulate } from "../mesh/polygons";
-import { readGlb } from "./formats/glb";
+import { readGlb, readyForGlb } from "./formats/glb";
 import { readObj } from "./formats/obj";
 import { readPly } from "./formats/ply";
 import { readStl } from "./formats/stl";
@@ -35,10 +35,11 @@ export interface Reading {
 }
 
 /** Read a file of this name. */
-export function readMesh(name: string, data: Uint8Array, wanted: Wanted = {}): Reading {
+export async function readMesh(name: string, data: Uint8Array, wanted: Wanted = {}): Promise<Reading> {
   const read = readerOf(name);
   checkSize(data.length);
   if (data.length === 0) throw new MeshError("the file is empty");
+  if (read === readGlb) await readyForGlb();
   const raw = structured(() => read(narrowed(data)));
   check(raw);
   const turn = TURNS[wanted.up ?? raw.up ?? "z"];

@@ -65,10 +65,10 @@ interface Character {
   plan: Float32Array[]; // `ROW` numbers a sample
 }
 
-/** Lines on the object, points in pairs, mm. */
+/** Lines on the object, to be written after: their points in pairs, mm. */
 export interface Guides {
-  outlines: number[];
-  grid: number[];
+  outlines: Float32Array;
+  grid: Float32Array;
 }
 
 /** The text that a score's words say, if a page can show it. */
@@ -154,11 +154,16 @@ export class Copybook {
     return laid.em_mm === this.emMm && cellsOf(laid).every(({ text }) => isThere(text));
   }
 
-  /** The outlines of a text, and its grid. */
-  guides(surface: ClosestPoints, laid: LaidText): Guides {
+  /** The outlines of texts, and their grids. */
+  guides(surface: ClosestPoints, texts: readonly LaidText[]): Guides {
+    const [outlines, grid]: number[][] = [[], []];
+    for (const laid of texts) this.#guide(surface, laid, outlines, grid);
+    return { outlines: Float32Array.from(outlines), grid: Float32Array.from(grid) };
+  }
+
+  #guide(surface: ClosestPoints, laid: LaidText, outlines: number[], grid: number[]): void {
     const cells = cellsOf(laid);
     const chart = chartOf(surface, laid, cells);
-    const found: Guides = { outlines: [], grid: [] };
     const between = laid.order === "columns" ? SIDES : ENDS;
     for (const { text, x, y } of cells) {
       const draw = (line: Line, size: number, into: number[]): void => {
@@ -170,10 +175,9 @@ export class Copybook {
           before = now;
         }
       };
-      for (const ring of this.#characters.get(text)?.rings ?? []) draw(ring, 1.0, found.outlines);
-      for (const line of laid.grid === "columns" ? between : LINES[laid.grid]) draw(line, 0.5, found.grid);
+      for (const ring of this.#characters.get(text)?.rings ?? []) draw(ring, 1.0, outlines);
+      for (const line of laid.grid === "columns" ? between : LINES[laid.grid]) draw(line, 0.5, grid);
     }
-    return found;
   }
 
   /** The strokes of a planned hand on the object, from 0 ns each. */

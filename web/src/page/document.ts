@@ -1,7 +1,7 @@
 /** A painting in hand: strokes, undo, and the score that the desktop replays (`paint3d replay`). */
 
 import type { Kernels } from "../core/kernels";
-import type { Brush } from "../brush/brush";
+import { FULL_DIP, type Brush } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
 import type { Bundle } from "../core/bundle";
 import type { ObjectWords } from "../mesh/refined_mesh";
@@ -10,7 +10,7 @@ import { ClosestPoints } from "../mesh/closest_points";
 import { readPressing, type PressedSeal } from "../seal/pressing";
 import { findImpression, layPaste } from "../seal/print";
 import { Painter, PIECE_S, type Ink, type Kept } from "../painter/painter";
-import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
+import { AT_REST, RecordingError, type DeviceSample, type Pose } from "../recording/recording";
 import { readText, type LaidText } from "./copybook";
 import { Eraser } from "../surface/eraser";
 import type { Blend, LayerStack } from "../surface/layer_stack";
@@ -33,7 +33,20 @@ const LAYER_EDITS = new Set([
   "add_layer", "remove_layer", "select_layer", "move_layer", "set_visible", "rename_layer", "set_opacity",
   "set_blend",
 ]); // prettier-ignore
+const MOST_AT_ONCE = 64; // samples that are painted together where a score is repeated
 const NO_STEPS = new Set(["select_layer", "set_visible", "rename_layer"]);
+
+/** What a score's head says of how a brush is held, and takes up ink. */
+export interface Handling {
+  azimuth: "commanded" | "dragged";
+  pickup: number; // share per mm of travel
+}
+const USUAL_HANDLING: Handling = { azimuth: "commanded", pickup: 0.0 };
+
+/** The same of a head's words. */
+export function handlingOf({ azimuth, pickup }: Record<string, unknown>): Handling {
+  return { azimuth: azimuth === "dragged" ? "dragged" : "commanded", pickup: Number(pickup ?? 0.0) };
+}
 
 type Line = Record<string, unknown>;
 
@@ -57,6 +70,7 @@ export class Document {
   #giveBack: (() => void) | null = null; // the brush that waits meanwhile
   #lastNs = 0n;
   #taken = 0; // lines that were handed out, and do not change any more
+  #held: Pose = AT_REST; // where the object is, as the lines so far say it
 
   private constructor(
     private readonly kernels: Kernels,
@@ -73,6 +87,7 @@ export class Document {
   static async open(
     studio: Studio, about: Contents["objects"][number], brushName: string, ink: string,
     material: string = about.material, own: Bundle<ObjectWords> | null = null,
+    { azimuth, pickup }: Handling = USUAL_HANDLING,
   ): Promise<Document> {
     const [surface, brush] = await Promise.all([
       own === null ? studio.surface(about.name, about.resolution, material) : studio.surfaceOf(own, material),
@@ -80,7 +95,9 @@ export class Document {
     ]);
     const closest = new ClosestPoints(studio.kernels, surface.object);
     surface.useLayers();
-    const painter = new Painter(studio.kernels, studio.sizes, surface, brush, studio.ink(ink));
+    const painter = new Painter(
+      studio.kernels, studio.sizes, surface, brush, studio.ink(ink), azimuth, FULL_DIP, pickup > 0.0 ? pickup : null,
+    ); // prettier-ignore
     const document = new Document(studio.kernels, about, surface, painter, closest, ink);
     document.#lines.push({
       format: "paint3d-recording",
@@ -91,7 +108,8 @@ export class Document {
       material: surface.material.name,
       brush: brush.name,
       ink: studio.partsOf(ink),
-      azimuth: "commanded",
+      azimuth,
+      ...(pickup > 0.0 ? { pickup } : {}),
       space: "world",
       units: { position: "mm", time: "ns", force: "N" },
     });
@@ -157,7 +175,7 @@ export class Document {
   advance(samples: readonly DeviceSample[]): void {
     for (const sample of samples) {
       this.#lastNs = sample.timeNs;
-      this.#lines.push(lineOf(sample));
+      this.#lines.push(this.#lineOf(sample));
     }
     if (this.#eraser === null) {
       if (samples.length > 0) this.painter.advance(samples);
@@ -167,6 +185,14 @@ export class Document {
       this.painter.advance([sample]);
       this.painter.loaded -= this.#eraser.wipe();
     }
+  }
+
+  #lineOf({ timeNs, position, orientation, pressure, buttons, contact, objectPosition, objectOrientation }: DeviceSample): Line {
+    const line = { time_ns: timeNs, position, orientation, pressure, buttons, contact };
+    const held = { position: objectPosition, orientation: objectOrientation };
+    if (String([held.position, held.orientation]) === String([this.#held.position, this.#held.orientation])) return line;
+    this.#held = held;
+    return { ...line, object: held };
   }
 
   endStroke(): void {
@@ -274,7 +300,8 @@ export class Document {
 
   /** Lay a text, in the place of the one of a number or beside all: a step that can be undone. */
   layText(text: LaidText, number = this.#texts.length): void {
-    this.#changeTexts(number, [text], { do: "lay_text", text, number });
+    const isNew = number === this.#texts.length;
+    this.#changeTexts(number, [text], { do: "lay_text", text, ...(isNew ? {} : { number }) });
   }
 
   /** Take a text off the object: a step that can be undone. */
@@ -284,10 +311,9 @@ export class Document {
 
   #changeTexts(number: number, by: LaidText[], line: Line): void {
     if (this.#inStroke) return;
-    const isNew = number === this.#texts.length;
     this.#begin();
     this.#texts = [...this.#texts.slice(0, number), ...by, ...this.#texts.slice(number + 1)];
-    this.#lines.push(isNew ? { ...line, number: undefined } : line);
+    this.#lines.push(line);
   }
 
   #begin(): void {
@@ -313,14 +339,25 @@ export class Document {
 
   /**
    * Do what a score of a page says; `progress` is told the share that is done. Ends at a line that
-   * a page has not written.
+   * a page has not written. `pause` says what is to be waited for before a line is done.
    */
-  async repeat(studio: Studio, text: string, progress: (share: number) => void): Promise<void> {
+  async repeat(
+    studio: Studio, text: string, progress: (share: number) => void,
+    pause: (line: number) => Promise<void> | null = () => null,
+  ): Promise<void> {
     const lines = text.split("\n").filter((line) => line !== "");
+    const waiting: DeviceSample[] = [];
+    let held = AT_REST;
     for (const [k, line] of lines.entries()) {
       if (k === 0) continue; // the head, which this document was opened by
       const row = JSON.parse(line) as Line;
-      if (row.do === undefined) this.advance([sampleOf(line, row)]);
+      const due = pause(k);
+      if (due !== null || row.do !== undefined || waiting.length >= MOST_AT_ONCE) this.advance(waiting.splice(0));
+      if (due !== null) await due;
+      if (row.do === undefined) {
+        held = (row.object as Pose | undefined) ?? held;
+        waiting.push(sampleOf(line, row, held));
+      }
       else if (row.do === "set_brush") this.setBrush(await studio.brush(row.brush as string));
       else if (row.do === "dip") this.#dipIn(studio, row.ink as Record<string, number>);
       else if (row.do === "begin_stroke") this.beginStroke(row.erase === true);
@@ -328,8 +365,11 @@ export class Document {
         this.endStroke();
         this.surface.refresh(); // not all at the end
       }
-      else if (row.do === "undo") this.undo();
-      else if (row.do === "redo") this.redo();
+      else if (row.do === "undo" || row.do === "redo") {
+        if (!(row.do === "undo" ? this.canUndo : this.canRedo))
+          throw new RecordingError(`line ${k + 1}: it goes back farther than a page keeps`);
+        this[row.do]();
+      }
       else if (row.do === "dry") this.dry();
       else if (row.do === "press_seal") this.pressSeal(studio, readPressing(row, `line ${k + 1}`));
       else if (row.do === "lay_text") this.layText(readText(row.text, `line ${k + 1}`), row.number as number | undefined);
@@ -340,6 +380,7 @@ export class Document {
       else throw new RecordingError(`line ${k + 1}: a page does not know ${String(row.do)}`);
       progress((k + 1) / lines.length);
     }
+    this.advance(waiting);
     this.#taken = this.#lines.length; // where a text is kept that ends within a stroke, its end is still to be
     if (this.#inStroke) this.endStroke();
     this.surface.refresh();
@@ -362,11 +403,6 @@ function bytesIn(what: unknown): number {
   return Object.values(what).reduce((sum: number, part) => sum + bytesIn(part), 0);
 }
 
-function lineOf(sample: DeviceSample): Line {
-  const { position, orientation, pressure, contact } = sample;
-  return { time_ns: sample.timeNs, position, orientation, pressure, buttons: sample.buttons, contact };
-}
-
 /** A line as JSON; times have more digits than JSON.stringify takes. */
 function textOf(line: Line): string {
   const time = line.time_ns as bigint | undefined;
@@ -374,17 +410,17 @@ function textOf(line: Line): string {
   return `{"time_ns": ${time}, ${JSON.stringify({ ...line, time_ns: undefined }).slice(1)}`;
 }
 
-function sampleOf(line: string, row: Line): DeviceSample {
+function sampleOf(line: string, row: Line, held: Pose): DeviceSample {
   const time = /"time_ns"\s*:\s*(-?\d+)/.exec(line);
   if (time === null) throw new RecordingError("a sample has no time_ns");
   return {
     timeNs: BigInt(time[1]),
     position: row.position as DeviceSample["position"],
     orientation: row.orientation as DeviceSample["orientation"],
-    pressure: row.pressure as number,
-    buttons: row.buttons as number,
-    objectPosition: AT_REST.position,
-    objectOrientation: AT_REST.orientation,
-    contact: row.contact as DeviceSample["contact"],
+    pressure: (row.pressure ?? null) as number | null,
+    buttons: (row.buttons ?? 0) as number,
+    objectPosition: held.position,
+    objectOrientation: held.orientation,
+    contact: (row.contact ?? null) as DeviceSample["contact"],
   };
 }

@@ -12,9 +12,10 @@ import { NoRoomError, NoTouchError, USUAL_PRESSING } from "../seal/print";
 import { Studio, type Contents, type Fetch } from "../studio";
 import type { Layer } from "../surface/layer_stack";
 import { Copybook, USUAL, type Guides, type LaidText } from "./copybook";
-import { Document, type LayerEdit } from "./document";
+import { Document, type Handling, type LayerEdit } from "./document";
 import { glbOf, plyOf } from "./export";
 import { Hand, type HandSettings, type PointerInput } from "./hand";
+import { Pacing } from "./pacing";
 import { PictureFeed, type PictureChange } from "./picture_feed";
 import type { CutSeal } from "./seal_list";
 
@@ -32,6 +33,7 @@ export interface Opening {
   material?: string;
   own: Bundle<ObjectWords> | null; // an object that somebody has brought
   score: string; // that is painted again
+  handling?: Handling;
   hand: HandSettings;
 }
 
@@ -46,6 +48,7 @@ export interface State {
   brush: string;
   dipped: Record<string, number>; // parts by pigment
   layers: readonly Layer[];
+  layerKeys: readonly number[]; // of each, the same wherever it is moved
   active: number;
   texts: readonly LaidText[];
 }
@@ -63,9 +66,9 @@ export interface Piece {
 export interface Told {
   state: State;
   score: string; // lines that came since, to be kept
-  guides?: { [lines in keyof Guides]: Float32Array };
+  guides?: Guides;
   picture?: PictureChange;
-  heardMs: number; // up to when what the pointer did is painted, by its clock
+  paintedToMs: number; // up to when what the pointer did is painted, by its clock
 }
 
 export class Engine {
@@ -73,15 +76,16 @@ export class Engine {
   readonly #feed: PictureFeed;
   #copybook: Copybook | null = null;
   #guided: readonly LaidText[] = []; // whose lines were told
-  #aheadNs = 0n; // of the pointer's clock, the painting's
-  #heardMs = 0.0;
+  #clockOffsetNs = 0n; // added to a pointer's time to get the painting's
+  #paintedToMs = 0.0;
   #inStroke = false;
   #spreads = false; // whether time passes for wet ink
   #isShown = true;
   #timer: ReturnType<typeof setTimeout> | null = null;
   #passedMs = 0.0; // of that time
   #keptMs = 0.0;
-  #isAwaited = true; // the next picture, by the page
+  #pacing: Pacing | null = null; // of a score that is being played
+  #mayPush = true; // no picture is on its way to the page
   #isDue = false; // something is to be told
 
   private constructor(
@@ -97,11 +101,11 @@ export class Engine {
 
   /** Open a piece, fresh, or as a score leaves it; `progress` is told the share that is painted again. */
   static async open(
-    fetch: Fetch, { about, brush, ink, material, own, score, hand }: Opening, progress: (share: number) => void,
+    fetch: Fetch, { about, brush, ink, material, own, score, handling, hand }: Opening, progress: (share: number) => void,
     tell: (told: Told) => void, fail: (cause: unknown) => void,
   ): Promise<Engine> {
     const studio = await Studio.open(fetch);
-    const painting = await Document.open(studio, about, brush, ink, material, own);
+    const painting = await Document.open(studio, about, brush, ink, material, own, handling);
     if (score !== "") await painting.repeat(studio, score, progress);
     const engine = new Engine(studio, painting, hand, tell, fail);
     engine.#tellNow(true);
@@ -121,7 +125,7 @@ export class Engine {
 
   get #state(): State {
     const { painting } = this;
-    const { layers, active } = painting.layers;
+    const { layers, keys, active } = painting.layers;
     return {
       canUndo: painting.canUndo || this.#inStroke, // of what is heard after its end
       canRedo: painting.canRedo,
@@ -132,6 +136,7 @@ export class Engine {
       brush: painting.painter.brush.name,
       dipped: painting.dipped,
       layers: layers.map((layer) => ({ ...layer })),
+      layerKeys: keys,
       active,
       texts: painting.texts,
     };
@@ -140,44 +145,40 @@ export class Engine {
   // -- what is told ---------------------------------------------------------------------------
 
   /** The page has shown the last picture. */
-  seen(): void {
-    this.#isAwaited = true;
+  pictureShown(): void {
+    this.#mayPush = true;
     if (this.#isDue) this.#tellNow();
   }
 
   /** Something has changed: tell it when what was heard meanwhile is painted too. */
   #changed(): void {
+    this.#wake();
     if (this.#isDue) return;
     this.#isDue = true;
-    if (this.#isAwaited)
+    if (this.#mayPush)
       setTimeout(() => {
-        if (this.#isDue && this.#isAwaited) this.#guard(() => this.#tellNow());
+        if (this.#isDue && this.#mayPush) this.#guard(() => this.#tellNow());
       });
   }
 
-  /** Tell what has changed; `isDone`: all is to be kept; `withPicture`: the page awaits one, or takes it anyway. */
-  #tellNow(isDone = false, withPicture = this.#isAwaited): void {
+  /** Tell what has changed; `isDone`: all is to be kept; `withPicture`: also where the page has not shown the last one. */
+  #tellNow(isDone = false, withPicture = this.#mayPush): void {
     const { painting } = this;
     const now = performance.now();
-    const isKept = isDone || now - this.#keptMs > KEPT_EVERY_MS;
-    if (isKept) this.#keptMs = now;
-    const told: Told = { state: this.#state, score: isKept ? painting.takeNew() : "", heardMs: this.#heardMs };
+    const told: Told = { state: this.#state, score: "", paintedToMs: this.#paintedToMs };
     if (painting.texts !== this.#guided && this.#copybook !== null) {
-      const { outlines, grid } = this.#guides(this.#copybook);
-      told.guides = { outlines: Float32Array.from(outlines), grid: Float32Array.from(grid) };
+      told.guides = this.#copybook.guides(painting.closest, painting.texts);
       this.#guided = painting.texts;
     }
     if (withPicture) {
       told.picture = this.#feed.change();
-      this.#isAwaited = this.#isDue = false;
+      this.#mayPush = this.#isDue = false;
+    }
+    if (this.#pacing === null && (isDone || now - this.#keptMs > KEPT_EVERY_MS)) {
+      this.#keptMs = now;
+      told.score = painting.takeNew(); // last, as what is taken has to be told: the rest may fail
     }
     this.tell(told);
-  }
-
-  #guides(copybook: Copybook): Guides {
-    const { closest, texts } = this.painting;
-    const all = texts.map((text) => copybook.guides(closest, text));
-    return { outlines: all.flatMap(({ outlines }) => outlines), grid: all.flatMap(({ grid }) => grid) };
   }
 
   /** Do something to the painting, and tell what has changed. */
@@ -208,7 +209,7 @@ export class Engine {
     const { painting } = this;
     if (this.#inStroke) this.#endStroke(painting.lastNs);
     const least = painting.lastNs + APART_NS;
-    if (input.timeNs + this.#aheadNs < least) this.#aheadNs = least - input.timeNs;
+    if (input.timeNs + this.#clockOffsetNs < least) this.#clockOffsetNs = least - input.timeNs;
     const { brush } = painting.painter;
     const samples = this.#hand.begin(this.#timed(input), brush);
     const { layers, active } = painting.layers;
@@ -230,13 +231,13 @@ export class Engine {
     const { painting } = this;
     for (const input of inputs) {
       painting.advance(this.#hand.move(this.#timed(input), painting.painter.brush));
-      this.#heardMs = Number(input.timeNs) * 1e-6;
+      this.#paintedToMs = Number(input.timeNs) * 1e-6;
     }
     this.#changed();
   }
 
   up(timeNs: bigint): void {
-    if (this.#inStroke) this.#act(() => this.#endStroke(timeNs + this.#aheadNs));
+    if (this.#inStroke) this.#act(() => this.#endStroke(timeNs + this.#clockOffsetNs));
   }
 
   /** What was painted since the brush came down was no stroke. */
@@ -256,7 +257,7 @@ export class Engine {
   }
 
   #timed(input: PointerInput): PointerInput {
-    return { ...input, timeNs: input.timeNs + this.#aheadNs };
+    return { ...input, timeNs: input.timeNs + this.#clockOffsetNs };
   }
 
   // -- what is done between strokes -----------------------------------------------------------
@@ -282,8 +283,10 @@ export class Engine {
     this.#act(() => this.painting.setBrush(brush));
   }
 
-  restack(edit: LayerEdit): void {
-    this.#act(() => this.painting.restack(edit));
+  /** Edit the layers, unless there are others by now than those that were shown, by their keys. */
+  restack(edit: LayerEdit, shown: readonly number[]): void {
+    const { keys } = this.painting.layers;
+    if (edit.do === "add_layer" || String(shown) === String(keys)) this.#act(() => this.painting.restack(edit));
   }
 
   /** Press a seal where a ray meets the object; what came of it. */
@@ -310,7 +313,7 @@ export class Engine {
 
   /** Have the characters of a file shown, and written. */
   async openCopybook(file: string): Promise<void> {
-    this.#copybook ??= await Copybook.read((name) => this.studio.fetch(name), file);
+    this.#copybook ??= await Copybook.read(this.studio.fetch, file);
     this.#guided = [];
     this.#act(() => {});
   }
@@ -334,8 +337,9 @@ export class Engine {
     if (found !== null) this.changeText(number, { point: found.point });
   }
 
-  removeText(number: number): void {
-    this.#act(() => this.painting.removeText(number));
+  /** Take a text away, unless there are more or fewer by now than were shown. */
+  removeText(number: number, nShown: number): void {
+    if (this.painting.texts.length === nShown) this.#act(() => this.painting.removeText(number));
   }
 
   /** Have a planned hand write a text, by its brush. */
@@ -367,6 +371,31 @@ export class Engine {
     }
   }
 
+  /**
+   * Play a score on the bare object, as it was painted, within so many seconds; 0: as fast as can be. None
+   * of its lines is told to be kept.
+   */
+  async play(score: string, mostS: number): Promise<void> {
+    const pacing = new Pacing(score, 1000.0 * mostS);
+    this.#pacing = pacing;
+    const pause = (line: number): Promise<void> | null => {
+      const due = pacing.before(line);
+      if (due !== null) this.#changed();
+      return due;
+    };
+    try {
+      await this.painting.repeat(this.studio, score, () => {}, pause);
+    } finally {
+      this.#pacing = null;
+    }
+    this.#act(() => {});
+  }
+
+  /** Play the rest of a score at once. */
+  hurry(): void {
+    this.#pacing?.hurry();
+  }
+
   // -- wet ink --------------------------------------------------------------------------------
 
   setSpreads(on: boolean): void {
@@ -382,7 +411,7 @@ export class Engine {
   }
 
   get #passes(): boolean {
-    return this.#spreads && this.#isShown && !this.painting.surface.water.isStill;
+    return this.#spreads && this.#isShown && this.#pacing === null && !this.painting.surface.water.isStill;
   }
 
   /** Let time pass from now on, if there is something that it changes. */
@@ -402,16 +431,11 @@ export class Engine {
     if (!this.#passes) return this.#tellNow(true); // all is dry, or not looked at
     this.#passedMs = Math.max(this.#passedMs + 1000.0 * PIECE_S, performance.now() - MOST_BEHIND_MS);
     this.painting.followTime();
-    this.#changed();
     this.#awaitPiece();
+    this.#changed();
   }
 
   // -- what is asked --------------------------------------------------------------------------
-
-  /** The painting's state as it is when all that was asked before is done. */
-  state(): State {
-    return this.#state;
-  }
 
   /** Have the page show all that was done. */
   show(): void {

@@ -3,8 +3,10 @@
 import { KernelError } from "../core/kernels";
 import { RecordingError } from "../recording/recording";
 import { UnknownNameError, type Fetch } from "../studio";
+import { startWorker } from "./carried";
 import type { Piece, Told } from "./engine";
-import type { Answered, Asked, Engaged, Failure, OpeningWords } from "./engine_worker";
+import script from "./engine_worker.ts?worker&url";
+import type { EngineCalls, Failure, OpeningWords, Reply, Request } from "./engine_worker";
 import { Cancelled } from "./own_object";
 
 interface Pending {
@@ -19,21 +21,23 @@ export interface Listener {
 }
 
 export class EngineClient {
-  readonly #worker = new Worker(new URL("./engine_worker.ts", import.meta.url), { type: "module" });
   readonly #awaited = new Map<number, Pending>();
   #opening: Pending | null = null;
-  #missed: unknown = null; // why a file could not be had
+  readonly #missed = new Map<string, unknown>(); // files that could not be had, and why
   #number = 0;
 
   private constructor(
+    private readonly worker: Worker,
     private readonly fetch: Fetch,
     private readonly progress: (share: number) => void,
     private readonly listener: Listener,
   ) {
-    this.#worker.onmessage = ({ data }: MessageEvent<Answered>) => this.#hear(data);
-    this.#worker.onerror = (event) => {
+    this.worker.onmessage = ({ data }: MessageEvent<Reply>) => this.#hear(data);
+    this.worker.onerror = (event) => {
       event.preventDefault();
-      this.#fail(new Error(event.message || "the thread that paints did not start"));
+      const cause = new Error(event.message || "the thread that paints did not start");
+      this.#fail(cause);
+      this.#failAll(cause);
     };
   }
 
@@ -42,12 +46,12 @@ export class EngineClient {
     fetch: Fetch, words: OpeningWords, progress: (share: number) => void, listener: Listener, signal: AbortSignal,
   ): Promise<[EngineClient, Piece]> {
     if (signal.aborted) throw new Cancelled();
-    const client = new EngineClient(fetch, progress, listener);
+    const client = new EngineClient(await startWorker(script), fetch, progress, listener);
     try {
       const piece = await new Promise<Piece>((done, failed) => {
         client.#opening = { done, failed };
         signal.addEventListener("abort", () => failed(new Cancelled()));
-        client.#say({ open: words });
+        client.#post({ open: words });
       });
       client.#opening = null;
       return [client, piece];
@@ -58,42 +62,36 @@ export class EngineClient {
   }
 
   /** Have something done, after all that was asked before; what came of it. */
-  call<N extends keyof Engaged>(
-    name: N, ...words: Parameters<Engaged[N]>
-  ): Promise<Awaited<ReturnType<Engaged[N]>>> {
+  call<N extends keyof EngineCalls>(
+    name: N, ...words: Parameters<EngineCalls[N]>
+  ): Promise<Awaited<ReturnType<EngineCalls[N]>>> {
     const number = ++this.#number;
     return new Promise((done, failed) => {
       this.#awaited.set(number, { done, failed });
-      this.#say({ number, name, words });
+      this.#post({ number, name, words });
     });
   }
 
-  /** Say that the picture that was told last is shown. */
-  seen(): void {
-    this.#say({ seen: true });
-  }
-
-  /** End the thread; what is awaited of it never comes. */
+  /** End the thread; what is awaited of it is cancelled. */
   close(): void {
-    this.#worker.terminate();
-    this.#awaited.clear();
+    this.worker.terminate();
+    this.#failAll(new Cancelled());
   }
 
-  #say(asked: Asked): void {
-    this.#worker.postMessage(asked);
+  #post(request: Request): void {
+    this.worker.postMessage(request);
   }
 
-  #hear(answer: Answered): void {
-    if ("told" in answer) this.listener.told(answer.told);
-    else if ("result" in answer) this.#settle(answer.number)?.done(answer.result as never);
-    else if ("wanted" in answer) void this.#bring(answer.wanted);
-    else if ("share" in answer) this.progress(answer.share);
-    else if ("opened" in answer) this.#opening?.done(answer.opened as never);
+  #hear(reply: Reply): void {
+    if ("told" in reply) this.listener.told(reply.told);
+    else if ("result" in reply) this.#settle(reply.number)?.done(reply.result as never);
+    else if ("wanted" in reply) void this.#bring(reply.wanted);
+    else if ("share" in reply) this.progress(reply.share);
+    else if ("opened" in reply) this.#opening?.done(reply.opened as never);
     else {
-      const cause = this.#missed ?? errorOf(answer.failed);
-      this.#missed = null;
-      if (answer.number === null) this.#fail(cause);
-      else this.#settle(answer.number)?.failed(cause);
+      const cause = this.#missed.get(reply.failed.file ?? "") ?? errorOf(reply.failed);
+      if (reply.number === null) this.#fail(cause);
+      else this.#settle(reply.number)?.failed(cause);
     }
   }
 
@@ -108,14 +106,19 @@ export class EngineClient {
     else this.#opening.failed(cause);
   }
 
+  #failAll(cause: unknown): void {
+    for (const { failed } of this.#awaited.values()) failed(cause);
+    this.#awaited.clear();
+  }
+
   async #bring(file: string): Promise<void> {
     let bytes: ArrayBuffer | null = null;
     try {
       bytes = await this.fetch(file);
     } catch (cause) {
-      this.#missed = cause;
+      this.#missed.set(file, cause);
     }
-    this.#say({ file, bytes });
+    this.#post({ file, bytes });
   }
 }
 

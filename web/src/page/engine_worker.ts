@@ -7,7 +7,7 @@ import { Engine, type Opening, type Piece, type Told } from "./engine";
 import { buffersOf } from "./picture_feed";
 
 /** What the page can ask for by name. */
-export type Engaged = {
+export type EngineCalls = {
   [name in keyof Engine as Engine[name] extends (...words: never[]) => unknown ? name : never]: Engine[name];
 };
 
@@ -15,6 +15,7 @@ export type Engaged = {
 export interface Failure {
   name: string;
   message: string;
+  file?: string; // that could not be had
   kind?: UnknownNameError["kind"];
   unknown?: string;
 }
@@ -22,14 +23,13 @@ export interface Failure {
 export type OpeningWords = Omit<Opening, "own"> & { own: (Prepared & { name: string }) | null };
 
 /** What the page says. */
-export type Asked =
+export type Request =
   | { open: OpeningWords }
   | { file: string; bytes: ArrayBuffer | null } // that was wanted; null where it cannot be had
-  | { seen: true }
-  | { number: number; name: keyof Engaged; words: readonly unknown[] };
+  | { number: number; name: keyof EngineCalls; words: readonly unknown[] };
 
 /** What the page is told. */
-export type Answered =
+export type Reply =
   | { wanted: string } // a file of the folder
   | { share: number } // of the score that is painted again
   | { opened: Piece }
@@ -37,73 +37,69 @@ export type Answered =
   | { number: number; result: unknown }
   | { number: number | null; failed: Failure };
 
-const SAID_EVERY_MS = 100;
-const files = new Map<string, { had: (bytes: ArrayBuffer) => void; missed: (cause: Error) => void }>();
-let engine: Engine | null = null;
+/** A file that the page cannot have. */
+class NoFileError extends Error {
+  constructor(readonly file: string) {
+    super(`${file} cannot be had`);
+  }
+}
 
-function say(answer: Answered, transfer: ArrayBuffer[] = []): void {
-  postMessage(answer, { transfer });
+const PROGRESS_EVERY_MS = 100;
+const files = new Map<string, ((bytes: ArrayBuffer | null) => void)[]>(); // what awaits each
+let engine: Engine | null = null;
+let before: Promise<unknown> = Promise.resolve(); // what was asked before is done
+
+function post(reply: Reply, transfer: ArrayBuffer[] = []): void {
+  postMessage(reply, { transfer });
 }
 
 function failureOf(cause: unknown): Failure {
-  if (cause instanceof UnknownNameError) {
-    const { name, message, kind, unknown } = cause;
-    return { name, message, kind, unknown };
-  }
-  if (cause instanceof Error) return { name: cause.name, message: cause.message };
-  return { name: "Error", message: String(cause) };
+  if (!(cause instanceof Error)) return { name: "Error", message: String(cause) };
+  const { name, message } = cause;
+  if (cause instanceof UnknownNameError) return { name, message, kind: cause.kind, unknown: cause.unknown };
+  return cause instanceof NoFileError ? { name, message, file: cause.file } : { name, message };
 }
 
-function fetched(name: string): Promise<ArrayBuffer> {
-  return new Promise((had, missed) => {
-    files.set(name, { had, missed });
-    say({ wanted: name });
+function fetchFile(name: string): Promise<ArrayBuffer> {
+  return new Promise((done, failed) => {
+    const came = (bytes: ArrayBuffer | null): void => (bytes === null ? failed(new NoFileError(name)) : done(bytes));
+    const awaiting = files.get(name);
+    files.set(name, [...(awaiting ?? []), came]);
+    if (awaiting === undefined) post({ wanted: name });
   });
 }
 
 async function open({ own, ...words }: OpeningWords): Promise<void> {
-  const told = (told: Told): void => say({ told }, told.picture === undefined ? [] : buffersOf(told.picture));
-  const failed = (cause: unknown): void => say({ number: null, failed: failureOf(cause) });
+  const tell = (told: Told): void => post({ told }, told.picture === undefined ? [] : buffersOf(told.picture));
+  const failed = (cause: unknown): void => post({ number: null, failed: failureOf(cause) });
   const bundle = own === null ? null : Bundle.of(own.words, own.arrays, own.name);
-  let saidMs = performance.now();
+  let postedMs = performance.now();
   const progress = (share: number): void => {
-    if (performance.now() - saidMs < SAID_EVERY_MS) return;
-    saidMs = performance.now();
-    say({ share });
+    if (performance.now() - postedMs < PROGRESS_EVERY_MS) return;
+    postedMs = performance.now();
+    post({ share });
   };
-  engine = await Engine.open(fetched, { ...words, own: bundle }, progress, told, failed);
-  say({ opened: engine.piece });
+  engine = await Engine.open(fetchFile, { ...words, own: bundle }, progress, tell, failed);
+  post({ opened: engine.piece });
 }
 
-onmessage = ({ data }: MessageEvent<Asked>): void => {
+onmessage = ({ data }: MessageEvent<Request>): void => {
   if ("file" in data) {
-    const { file, bytes } = data;
-    if (bytes === null) files.get(file)?.missed(new Error(`${file} cannot be had`));
-    else files.get(file)?.had(bytes);
-    files.delete(file);
+    for (const came of files.get(data.file) ?? []) came(data.bytes);
+    files.delete(data.file);
     return;
   }
   if ("open" in data) {
-    open(data.open).catch((cause: unknown) => say({ number: null, failed: failureOf(cause) }));
+    open(data.open).catch((cause: unknown) => post({ number: null, failed: failureOf(cause) }));
     return;
   }
   if (engine === null) return; // what was asked of a piece that could not be opened
-  const asked = engine;
-  if ("seen" in data) {
-    try {
-      asked.seen();
-    } catch (cause) {
-      say({ number: null, failed: failureOf(cause) });
-    }
-    return;
-  }
   const { number, name, words } = data;
-  const failed = (cause: unknown): void => say({ number, failed: failureOf(cause) });
-  try {
-    const result = (asked[name] as (...words: readonly unknown[]) => unknown).apply(asked, words as unknown[]);
-    if (result instanceof Promise) result.then((later: unknown) => say({ number, result: later }), failed);
-    else say({ number, result });
-  } catch (cause) {
-    failed(cause);
-  }
+  const call = (engine[name] as (...words: readonly unknown[]) => unknown).bind(engine, ...words);
+  const done = before.then(call);
+  if (name !== "write" && name !== "play") before = done.catch(() => {}); // else others are served meanwhile
+  done.then(
+    (result) => post({ number, result }),
+    (cause: unknown) => post({ number, failed: failureOf(cause) }),
+  );
 };

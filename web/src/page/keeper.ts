@@ -2,7 +2,6 @@
 
 import type { OwnFile } from "./own_object";
 
-const NAME = "paint3d";
 const STORE = "score"; // parts of a score, in their order
 const OBJECT = "object"; // the file that it is painted on, where it is somebody's own
 
@@ -13,11 +12,11 @@ export class Keeper {
 
   private constructor(private readonly database: IDBDatabase) {}
 
-  /** Open the storage; null where the browser gives none. */
-  static async open(): Promise<Keeper | null> {
+  /** Open the storage of a name; null where the browser gives none. */
+  static async open(name: string): Promise<Keeper | null> {
     try {
       return await new Promise((done, failed) => {
-        const asked = indexedDB.open(NAME, 2);
+        const asked = indexedDB.open(name, 2);
         asked.onupgradeneeded = ({ oldVersion }) => {
           if (oldVersion < 1) asked.result.createObjectStore(STORE, { autoIncrement: true });
           asked.result.createObjectStore(OBJECT, { autoIncrement: true });

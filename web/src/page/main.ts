@@ -5,20 +5,21 @@ import type { Vector } from "../core/quaternion";
 import { times } from "../core/vectors";
 import { MULTI_AXIS } from "../device/six_dof";
 import { hidOf, SpaceMouse, type HidDevice } from "../device/space_mouse";
-import { UnknownNameError, type Contents, type Fetch } from "../studio";
+import { SCORE, UnknownNameError, type Contents, type Fetch } from "../studio";
 import { Ahead } from "./ahead";
 import { ballAround, Camera } from "./camera";
+import { carried } from "./carried";
 import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
-import { Copybook, type LaidText } from "./copybook";
+import { Copybook, type Guides, type LaidText } from "./copybook";
 import { CopybookList } from "./copybook_list";
 import { SealList, type CutSeal } from "./seal_list";
 import { PASTE } from "../seal/pressing";
 import { SealLines } from "../seal/stone";
-import type { LayerEdit } from "./document";
+import { handlingOf, type LayerEdit } from "./document";
 import type { Piece, State, Told } from "./engine";
 import { EngineClient } from "./engine_client";
-import type { Engaged } from "./engine_worker";
+import type { EngineCalls } from "./engine_worker";
 import { LayerList } from "./layer_list";
 import type { HandSettings, PointerInput } from "./hand";
 import { Keeper } from "./keeper";
@@ -49,13 +50,15 @@ const SLIP_PX = 6; // that a finger goes before it paints,
 const SLIP_MS = 90; // or how long it is alone
 const STEP_PX = 40; // that a key turns, or moves
 const KEY_ZOOM = 1.2;
+const PLAYED_IN_S = 30.0; // at most
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** How a piece is opened. */
-interface Opening {
+interface OpenOptions {
   signal?: AbortSignal; // it is not wanted any more
   material?: string;
   score?: string; // that is painted again
+  playedIn?: number; // s, at most, while it is seen to grow; without, it is shown when it is done
   own?: OwnObject | null; // that somebody has brought
   isKept?: boolean; // whether the browser keeps it already
   brush?: string;
@@ -87,7 +90,7 @@ class Page {
   readonly #texts = new CopybookList({
     lay: (text) => this.#layText(text),
     change: (number, words) => this.#changeTexts("changeText", number, words),
-    remove: (number) => this.#changeTexts("removeText", number),
+    remove: (number) => this.#changeTexts("removeText", number, this.#inHand().state.texts.length),
     place: (number) => this.#whenTapped(say("place"), (event) => this.#changeTexts("moveText", number, this.#inputOf(event))),
     write: (number) => void this.#write(number),
   });
@@ -96,7 +99,8 @@ class Page {
   #sealLines: SealLines | null = null;
   #tapping: PointerEvent | null = null; // that is down there
   #tapped: ((event: PointerEvent) => void) | null = null; // what is done where the object is tapped next
-  #writes = false; // a planned hand
+  #writes = false; // a planned hand, or a painting that grows
+  #plays = false; // the latter
   #opening: AbortController | null = null; // what is opened last, or was
   #nMarks = 0; // of the painting in hand, when it was asked whether it may go
   #asked: OwnFile | null = null; // that is being prepared
@@ -118,7 +122,7 @@ class Page {
   #drawn = false; // whether a frame is asked for
   #isMoved = false; // whether the object is seen as somebody has turned it
   #changes: PictureChange[] = []; // that are not shown yet
-  #heardMs = 0.0; // up to when what the pointer did is in them
+  #paintedToMs = 0.0; // up to when what the pointer did is in them
   #pointer: number | null = null; // that is down and paints
   #nBegun = 0; // strokes
   #nAsked = 0; // of the thread that paints, and not answered
@@ -150,7 +154,7 @@ class Page {
   readonly #fetch: Fetch = (name) => {
     let file = this.#files.get(name);
     if (file === undefined) {
-      file = fetch(name).then(
+      file = carried(name) ?? fetch(name).then(
         (answer) => {
           if (!answer.ok) throw new Missing("noFile", { name, status: answer.status });
           return answer.arrayBuffer();
@@ -201,9 +205,11 @@ class Page {
     this.#contents = contents;
     this.#brush = contents.brushes[0].name;
     this.#ink = contents.inks[0].name;
-    this.#keeper = await Keeper.open();
+    const { painting } = contents;
+    const score = painting === undefined ? "" : new TextDecoder().decode(await this.#fetch(SCORE));
+    this.#keeper = await Keeper.open(painting === undefined ? "paint3d" : `paint3d ${painting.id}`);
     const text = (await this.#keeper?.read().catch(() => "")) ?? "";
-    if (/begin_stroke|press_seal/.test(text)) {
+    if (/begin_stroke|press_seal/.test(text) && text !== score) {
       const file = await this.#keeper?.readObject().catch(() => undefined);
       try {
         await this.#goOn(contents, text, this.#another(), { file, isKept: true });
@@ -213,7 +219,9 @@ class Page {
         save(new Blob([text], { type: "application/jsonl" }), "kept.score.jsonl"); // what is not opened is not lost
       }
     }
-    await this.open(contents, contents.objects[0], { signal: this.#another() });
+    if (painting === undefined) return this.open(contents, contents.objects[0], { signal: this.#another() });
+    await this.#goOn(contents, score, this.#another(), { playedIn: 0.0 });
+    this.#notice(say("replayNote"));
   }
 
   /** Give up what is being opened, for something else. */
@@ -302,7 +310,8 @@ class Page {
 
   /** Open the piece that a score of a page says, on a file where it is none of the folder's. */
   async #goOn(
-    contents: Contents, text: string, signal: AbortSignal, { file, isKept }: { file?: OwnFile; isKept?: boolean },
+    contents: Contents, text: string, signal: AbortSignal,
+    { file, isKept, playedIn }: { file?: OwnFile; isKept?: boolean; playedIn?: number },
   ): Promise<void> {
     const head = headOf(text);
     if (head === null) throw new Missing("noHead");
@@ -322,7 +331,7 @@ class Page {
     const ink = inkOf(contents, head.ink);
     if (ink === undefined) throw new Missing("noInk", { ink: JSON.stringify(head.ink) });
     await this.open(contents, about, {
-      signal, score: text, own, isKept, material: head.material as string | undefined, brush: String(head.brush), ink: ink.name,
+      signal, score: text, own, isKept, playedIn, material: head.material as string | undefined, brush: String(head.brush), ink: ink.name,
     }); // prettier-ignore
   }
 
@@ -337,7 +346,9 @@ class Page {
   /** Open an object, fresh, or as a score leaves it; nothing is changed where `signal` comes before it is ready. */
   async open(
     contents: Contents, about: Contents["objects"][number],
-    { signal = this.#another(), material, score = "", own = null, isKept = false, brush = this.#brush, ink = this.#ink }: Opening = {},
+    {
+      signal = this.#another(), material, score = "", playedIn, own = null, isKept = false, brush = this.#brush, ink = this.#ink,
+    }: OpenOptions = {},
   ): Promise<void> {
     const goOn = (): void => {
       if (signal.aborted) throw new Cancelled();
@@ -348,7 +359,8 @@ class Page {
     let listen = (told: Told): void => void heard.push(told);
     const listener = { told: (told: Told) => listen(told), failed: (cause: unknown) => this.fail(cause) };
     const words = {
-      about, brush, ink, material, score, hand: this.#handSettings,
+      about, brush, ink, material, hand: this.#handSettings, handling: handlingOf(headOf(score) ?? {}),
+      score: playedIn === undefined ? score : "",
       own: own === null ? null : { ...own.prepared, name: own.file.name },
     }; // prettier-ignore
     const progress = (share: number): void => {
@@ -368,8 +380,14 @@ class Page {
       throw cause;
     }
     const told = heard[0];
-    if (!isKept) this.#keeper?.begin(own?.file ?? null);
-    this.#keeper?.append(isKept ? told.score : whole);
+    const keep = (text: string): void => {
+      if (!isKept) {
+        this.#keeper?.begin(own?.file ?? null);
+        this.#keeper?.append(text);
+      } else if (playedIn === undefined) this.#keeper?.append(told.score); // the end of a stroke without one
+    };
+    const camera = playedIn !== undefined && this.#opened?.piece.mesh === piece.mesh ? this.#camera : null;
+    if (playedIn === undefined) keep(whole); // else when all of it is painted
     this.#opened?.engine.close();
     if (own !== null) this.#own = own;
     this.#asked = null;
@@ -380,8 +398,9 @@ class Page {
     this.#show(piece, told.picture as PictureChange);
     listen = (later) => this.#hear(later);
     for (const later of heard.slice(1)) this.#hear(later);
-    this.#spreads = piece.isPorous;
+    this.#spreads = piece.isPorous && contents.painting === undefined; // what was painted elsewhere is shown as it was left
     void this.#ask("setSpreads", this.#spreads);
+    void this.#ask("setShown", !document.hidden);
     this.#tapped = this.#tapping = this.#pointer = this.#turning = null; // what is down was down on the piece before
     this.#touches.clear();
     this.#setWrites(false);
@@ -389,8 +408,41 @@ class Page {
     else if (this.#copybook !== null) void this.#ask("openCopybook", contents.copybook?.file ?? "");
     if (this.#opening?.signal === signal) this.#message.hidden = true; // else something else is being opened
     this.showBar();
-    this.#showAll();
+    if (camera === null) this.#showAll();
+    else this.#camera = camera; // the same object, as it was seen
     this.draw();
+    if (playedIn !== undefined) await this.#play(score, playedIn, keep);
+  }
+
+  /** Let a painting grow on the bare object that is open, before anybody else paints on it. */
+  async #play(score: string, playedIn: number, keep: (text: string) => void): Promise<void> {
+    const opened = this.#inHand();
+    this.#setPlays(true);
+    await this.#ask("play", score, playedIn);
+    if (this.#opened !== opened) return; // something else is open by now
+    this.#setPlays(false);
+    keep(score);
+  }
+
+  #setPlays(on: boolean): void {
+    this.#plays = on;
+    this.#setWrites(on);
+    this.showBar();
+  }
+
+  /** Show how the piece in hand was painted, from the bare object on. */
+  async #replay(): Promise<void> {
+    if (this.#plays) return void this.#ask("hurry");
+    const contents = this.#contents;
+    if (contents === null || this.#writes || this.#pointer !== null) return;
+    const score = await this.#ask("score");
+    if (score === undefined) return;
+    const file = this.#isOnOwn ? this.#own?.file : undefined;
+    try {
+      await this.#goOn(contents, score, this.#another(), { file, playedIn: PLAYED_IN_S, isKept: true });
+    } catch (cause) {
+      if (!(cause instanceof Cancelled)) this.fail(cause);
+    }
   }
 
   /** See an object from where it is painted best. */
@@ -411,16 +463,18 @@ class Page {
 
   // -- the thread that paints -----------------------------------------------------------------
 
-  /** Have something done to the painting, and say if it went wrong. */
-  async #ask<N extends keyof Engaged>(
-    name: N, ...words: Parameters<Engaged[N]>
-  ): Promise<Awaited<ReturnType<Engaged[N]>> | undefined> {
+  /** Have something done to the painting, and say if it went wrong: what cannot be had now ends nothing. */
+  async #ask<N extends keyof EngineCalls>(
+    name: N, ...words: Parameters<EngineCalls[N]>
+  ): Promise<Awaited<ReturnType<EngineCalls[N]>> | undefined> {
     const { engine } = this.#inHand();
     this.#nAsked++;
     try {
       return await engine.call(name, ...words);
     } catch (cause) {
-      if (engine === this.#opened?.engine) this.fail(cause);
+      if (engine !== this.#opened?.engine) return undefined; // another piece is open by now
+      if (cause instanceof Missing) this.#notice(say(cause.key, cause.fields));
+      else this.fail(cause);
       return undefined;
     } finally {
       this.#nAsked--;
@@ -428,7 +482,7 @@ class Page {
   }
 
   /** Take up what is told of the painting. */
-  #hear({ state, score, guides, picture, heardMs }: Told): void {
+  #hear({ state, score, guides, picture, paintedToMs }: Told): void {
     const opened = this.#inHand();
     const before = opened.state;
     opened.state = state;
@@ -441,7 +495,7 @@ class Page {
     else this.#showState();
     if (picture !== undefined) {
       this.#changes.push(picture);
-      this.#heardMs = heardMs;
+      this.#paintedToMs = paintedToMs;
     }
     this.draw();
   }
@@ -459,7 +513,8 @@ class Page {
   #restore(): void {
     this.#stage.restore();
     this.#changes = [];
-    this.#message.hidden = true;
+    if (this.#opened === null) return;
+    if (this.#message.textContent === say("noWebGl")) this.#message.hidden = true; // else another piece is being opened
     void this.#ask("showAnew");
   }
 
@@ -469,7 +524,7 @@ class Page {
   showBar(): void {
     const [contents, opened] = [this.#contents, this.#opened];
     if (contents === null || opened === null) return;
-    document.title = say("title");
+    document.title = contents.painting?.title ?? say("title");
     element("hint").textContent = say(matchMedia("(pointer: coarse)").matches ? "hintTouch" : "hint");
     const objects = this.#objects.map((one) => `${named(one)} · ${say("size", { mm: one.resolution })}`);
     const filled = document.createElement("span");
@@ -485,7 +540,7 @@ class Page {
     element("tools").replaceChildren(
       choice("brush", say("brush"), contents.brushes.map(named),
         contents.brushes.findIndex((one) => one.name === this.#brush),
-        (k) => this.#takeBrush(contents.brushes[k].name)),
+        (k) => void this.#takeBrush(contents.brushes[k].name)),
       choice("inks", say("ink"), contents.inks.map(named),
         contents.inks.findIndex((one) => one.name === this.#ink),
         (k) => this.#takeInk(contents.inks[k].name)),
@@ -504,7 +559,11 @@ class Page {
     };
     const copybook = tab("copybook", say(contents.seals === undefined ? "copybook" : "copybookAndSeal"));
     copybook.hidden = contents.copybook === undefined && contents.seals === undefined;
+    const next = this.#plays ? "toEnd" : "replay";
+    const replay = button("replay", say(next), () => void this.#replay(), next);
+    const isFirst = contents.painting !== undefined || this.#plays; // what one may want before all else
     element("acts").replaceChildren(
+      ...(isFirst ? [replay] : []),
       button("undo", say("undo"), () => this.#step("undo"), "undo"),
       button("redo", say("redo"), () => this.#step("redo"), "redo"),
       button("whole", say("view"), () => this.#showAll(), "whole"),
@@ -518,8 +577,8 @@ class Page {
     this.#panel.fill("layers", this.#layers.element);
     this.#panel.fill("save",
       section(say("keep"),
-        button("picture", say("picture"), () => void this.savePicture()),
-        button("score", say("score"), () => void this.saveScore()),
+        button("picture", say("picture"), () => this.#savePicture().catch((cause: unknown) => this.fail(cause))),
+        button("score", say("score"), () => void this.#saveScore()),
         button("glb", "GLB", () => void this.#saveObject("glb")),
         button("ply", "PLY", () => void this.#saveObject("ply")),
         note(say(this.#keeper === null ? "notKept" : "kept"))),
@@ -534,6 +593,7 @@ class Page {
           contents.materials.findIndex((one) => one.name === opened.piece.material),
           (k) => this.#change(this.#object, contents.materials[k].name)),
         ...this.#ownControls(),
+        ...(isFirst ? [] : [replay]),
         button("fresh", say("fresh"), () => this.#change(this.#object, opened.piece.material)),
         button("own", say("ownObject"), () => askForFile(SUFFIXES.join(","), (file) => this.#openFile(file)))),
       section(say("water"),
@@ -575,11 +635,12 @@ class Page {
 
   // -- the copybook ---------------------------------------------------------------------------
 
+  /** Have texts shown and written; what is needed for that is loaded first. */
   async #openCopybook(): Promise<void> {
     const file = this.#contents?.copybook?.file;
     if (file === undefined) return;
     const guided = this.#ask("openCopybook", file);
-    this.#copybook ??= await Copybook.read(this.#fetch, file);
+    this.#copybook ??= await this.#hadOf(Copybook.read(this.#fetch, file));
     await guided;
     this.#showTexts();
   }
@@ -587,8 +648,19 @@ class Page {
   async #openSeals(): Promise<void> {
     const file = this.#contents?.seals?.file;
     if (file === undefined) return;
-    this.#sealLines ??= await SealLines.read(this.#fetch, file);
+    this.#sealLines ??= await this.#hadOf(SealLines.read(this.#fetch, file));
     this.#showSeals();
+  }
+
+  /** What is loaded; null where it cannot be had, which is said. */
+  async #hadOf<T>(loading: Promise<T>): Promise<T | null> {
+    try {
+      return await loading;
+    } catch (cause) {
+      if (!(cause instanceof Missing)) throw cause;
+      this.#notice(say(cause.key, cause.fields));
+      return null;
+    }
   }
 
   #showSeals(): void {
@@ -619,13 +691,13 @@ class Page {
     if (this.#copybook !== null) this.#texts.show(this.#copybook, state.texts, this.#contents?.copybook?.text ?? "");
   }
 
-  /** The lines that are shown to be written after, their points in pairs, mm. */
-  guides(): Record<string, number[]> {
+  /** The lines that are shown to be written after. */
+  guides(): { [lines in keyof Guides]: number[] } {
     const { outlines, grid } = this.#stage.guides;
     return { outlines: [...outlines], grid: [...grid] };
   }
 
-  #changeTexts<N extends "layText" | "changeText" | "moveText" | "removeText">(name: N, ...words: Parameters<Engaged[N]>): void {
+  #changeTexts<N extends "layText" | "changeText" | "moveText" | "removeText">(name: N, ...words: Parameters<EngineCalls[N]>): void {
     this.#tapped = null; // it may have another number now
     void this.#ask(name, ...words);
   }
@@ -653,7 +725,7 @@ class Page {
   }
 
   #restack(edit: LayerEdit): void {
-    void this.#ask("restack", edit);
+    void this.#ask("restack", edit, this.#inHand().state.layerKeys);
   }
 
   #showLayers(): void {
@@ -683,9 +755,9 @@ class Page {
     void this.#replace(named(about), (contents, signal) => this.open(contents, about, { signal, material, own }));
   }
 
-  #takeBrush(name: string): void {
-    if (this.#writes) return this.#showInHand();
-    void this.#ask("takeBrush", name);
+  async #takeBrush(name: string): Promise<void> {
+    if (!this.#writes) await this.#ask("takeBrush", name);
+    this.#showInHand(); // which may be the one before
   }
 
   #takeInk(name: string): void {
@@ -821,10 +893,11 @@ class Page {
   // -- files ----------------------------------------------------------------------------------
 
   /** Save what is seen, as PNG. */
-  async savePicture(): Promise<void> {
+  async #savePicture(): Promise<void> {
     const camera = this.#camera;
     if (camera === null) return;
-    await this.shown();
+    await this.#ask("show");
+    this.#drawNow(performance.now());
     this.#stage.draw(camera, false);
     const seen = document.createElement("canvas");
     Object.assign(seen, { width: this.#canvas.width, height: this.#canvas.height });
@@ -834,13 +907,14 @@ class Page {
     context.fillRect(0, 0, seen.width, seen.height);
     context.drawImage(this.#canvas, 0, 0);
     const blob = await new Promise<Blob | null>((done) => seen.toBlob(done, "image/png"));
-    if (blob !== null) save(blob, `${this.#name()}.png`);
+    if (blob === null) throw new Missing("noMemory");
+    save(blob, `${this.#name()}.png`);
   }
 
   /** Save what was done, for `paint3d replay`. */
-  async saveScore(): Promise<void> {
-    const text = await this.score();
-    save(new Blob([text], { type: "application/jsonl" }), `${this.#name()}.score.jsonl`);
+  async #saveScore(): Promise<void> {
+    const text = await this.#ask("score");
+    if (text !== undefined) save(new Blob([text], { type: "application/jsonl" }), `${this.#name()}.score.jsonl`);
   }
 
   async #saveObject(kind: "glb" | "ply"): Promise<void> {
@@ -918,8 +992,8 @@ class Page {
       for (const change of changes) this.#stage.follow(change);
       this.#stage.draw(this.#camera);
       if (changes.length > 0) {
-        this.#opened?.engine.seen();
-        this.#ahead.shown(this.#heardMs);
+        void this.#ask("pictureShown");
+        this.#ahead.shown(this.#paintedToMs);
       }
       this.#ahead.draw();
     } catch (cause) {
@@ -987,7 +1061,7 @@ class Page {
       if (this.#opened !== null) void this.#ask("setShown", !document.hidden);
     });
     addEventListener("beforeunload", (event) => {
-      if (this.#isPainted && this.#keeper?.isSound !== true) event.preventDefault();
+      if (this.#isPainted && !this.isKept) event.preventDefault();
     });
   }
 
@@ -1012,7 +1086,7 @@ class Page {
       Home: () => this.#showAll(),
       "+": zoom(KEY_ZOOM), "=": zoom(KEY_ZOOM), "-": zoom(1.0 / KEY_ZOOM),
       ArrowLeft: along(-1, 0), ArrowRight: along(1, 0), ArrowUp: along(0, -1), ArrowDown: along(0, 1),
-    }[key] ?? (brush === undefined ? undefined : () => this.#takeBrush(brush.name)); // prettier-ignore
+    }[key] ?? (brush === undefined ? undefined : () => void this.#takeBrush(brush.name)); // prettier-ignore
     act?.();
     return act !== undefined;
   }
@@ -1090,6 +1164,8 @@ class Page {
     const came = await this.#ask("down", this.#inputOf(event), erases, this.#dipAlways && !erases ? this.#ink : null);
     if (came === "paints" || number !== this.#nBegun || this.#pointer === null) return; // or it is up again
     this.#pointer = null;
+    this.#ahead.end();
+    this.draw();
     if (came === "hidden") this.#notice(say("isHidden"));
     else if (came === "beside") this.#turning = { pointer, pans: false, x, y };
   }

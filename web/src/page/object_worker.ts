@@ -5,14 +5,14 @@ import { openOwnObject, type Given } from "../files/own_object";
 import type { Prepared } from "../mesh/prepared";
 
 /** What is told of it, the last once. */
-export type Told =
+export type ObjectReply =
   | { share: number }
   | { prepared: Prepared; notes: Note[] }
   | { refused: Note }
   | { failed: string };
 
 onmessage = ({ data }: MessageEvent<Given>): void => {
-  const tell = (told: Told, transfer: ArrayBuffer[] = []): void => postMessage(told, { transfer });
+  const tell = (reply: ObjectReply, transfer: ArrayBuffer[] = []): void => postMessage(reply, { transfer });
   openOwnObject(data, (share) => tell({ share })).then(
     ({ notes, ...prepared }) => {
       const buffers = Object.values(prepared.arrays).map(({ values }) => values.buffer as ArrayBuffer);

@@ -5,7 +5,9 @@ import { MeshError, type Note } from "../files/mesh_error";
 import type { Wanted } from "../files/wanted";
 import type { Prepared } from "../mesh/prepared";
 import type { Contents, Fetch } from "../studio";
-import type { Told } from "./object_worker";
+import { startWorker } from "./carried";
+import type { ObjectReply } from "./object_worker";
+import script from "./object_worker.ts?worker&url";
 
 /** A file, and how it is to be read. */
 export interface OwnFile {
@@ -34,12 +36,12 @@ export async function bringObject(
 ): Promise<OwnObject> {
   const [wasm, index, common] = await Promise.all(["kernels.wasm", "kernels.json", "common.bin.gz"].map(fetch));
   if (signal.aborted) throw new Cancelled();
-  const worker = new Worker(new URL("./object_worker.ts", import.meta.url), { type: "module" });
+  const worker = await startWorker(script);
   try {
-    const { prepared, notes } = await new Promise<Extract<Told, { prepared: unknown }>>((done, failed) => {
+    const { prepared, notes } = await new Promise<Extract<ObjectReply, { prepared: unknown }>>((done, failed) => {
       signal.addEventListener("abort", () => failed(new Cancelled()));
       worker.onerror = (event) => failed(new Error(event.message || "the worker did not start"));
-      worker.onmessage = ({ data }: MessageEvent<Told>) => {
+      worker.onmessage = ({ data }: MessageEvent<ObjectReply>) => {
         if ("share" in data) progress(data.share);
         else if ("prepared" in data) done(data);
         else failed("refused" in data ? new MeshError(data.refused.text, data.refused.fields) : new Error(data.failed));

@@ -2,6 +2,7 @@
 
 import type { Vector } from "../core/quaternion";
 import type { Camera } from "./camera";
+import type { Guides } from "./copybook";
 import { AXES, type PictureChange } from "./picture_feed";
 
 // The sky is white above, greyer at the horizon, and the table below throws a little light back. A
@@ -99,19 +100,13 @@ export class StageError extends Error {
   override name = "StageError";
 }
 
-/** Lines to be shown, their points in pairs, mm. */
-export interface Lines {
-  outlines: Float32Array;
-  grid: Float32Array;
-}
-
 export class Stage {
   readonly #gl: WebGL2RenderingContext;
   #program: WebGLProgram;
   #ground: WebGLProgram;
   #lines: WebGLProgram;
   #guides: { array: WebGLVertexArrayObject; buffer: WebGLBuffer; n: number; colour: readonly number[] }[] = [];
-  #guided: Lines = { outlines: new Float32Array(), grid: new Float32Array() };
+  #guided: Guides = { outlines: new Float32Array(), grid: new Float32Array() };
   #buffers: Record<string, WebGLBuffer> = {};
   #array: WebGLVertexArrayObject | null = null;
   #groundArray: WebGLVertexArrayObject | null = null;
@@ -162,7 +157,7 @@ export class Stage {
   }
 
   /** Show lines on the object in place of those before. */
-  guide(lines: Lines): void {
+  guide(lines: Guides): void {
     const gl = this.#gl;
     this.#guided = lines;
     for (const { array, buffer } of this.#guides) {
@@ -184,7 +179,7 @@ export class Stage {
     });
   }
 
-  get guides(): Lines {
+  get guides(): Guides {
     return this.#guided;
   }
 

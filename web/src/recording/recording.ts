@@ -31,15 +31,13 @@ export class RecordingError extends Error {
   override name = "RecordingError";
 }
 
-export const AT_REST: { position: Vector; orientation: Quaternion } = {
-  position: [0.0, 0.0, 0.0],
-  orientation: [1.0, 0.0, 0.0, 0.0],
-};
-
-interface Pose {
+/** Where something is and how it is turned. */
+export interface Pose {
   position: Vector;
   orientation: Quaternion;
 }
+
+export const AT_REST: Pose = { position: [0.0, 0.0, 0.0], orientation: [1.0, 0.0, 0.0, 0.0] };
 
 /** Read a recording of version 1, in the world and in mm. */
 export function readRecording(text: string, name: string): Recording {

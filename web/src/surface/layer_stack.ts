@@ -63,6 +63,11 @@ export class LayerStack {
     return this.#keys.map((key) => this.#said(key));
   }
 
+  /** What each is known by, the lowest first. */
+  get keys(): number[] {
+    return [...this.#keys];
+  }
+
   /** Place of the active one. */
   get active(): number {
     return this.#keys.indexOf(this.#active);

@@ -299,11 +299,12 @@ class File {
       throw new MeshError("its meshopt mode is {mode!r:.30}; expected ATTRIBUTES, TRIANGLES or INDICES", { mode: mode ?? "None" });
     const unpacked = new Uint8Array(count * size);
     try {
-      const isOctahedral = filter === "OCTAHEDRAL";
+      const applied = mode === "ATTRIBUTES" ? filter : "NONE"; // indices have none
+      const isOctahedral = applied === "OCTAHEDRAL"; // which the library undoes in other last bits
       MeshoptDecoder.decodeGltfBuffer(
-        unpacked, count, size, data.subarray(begin, begin + length), mode, isOctahedral ? "NONE" : filter,
+        unpacked, count, size, data.subarray(begin, begin + length), mode, isOctahedral ? "NONE" : applied,
       ); // prettier-ignore
-      if (isOctahedral && mode === "ATTRIBUTES") undoOctahedra(unpacked, size);
+      if (isOctahedral) undoOctahedra(unpacked, size);
     } catch (cause) {
       throw new MeshError("its meshopt data cannot be unpacked: {cause}", { cause: cause instanceof Error ? cause.message : String(cause) });
     }

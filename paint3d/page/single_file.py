@@ -1,0 +1,320 @@
+"""A painting as a page of one file: it shows the painting, how it grew, and lets one paint on it.
+
+The page is that of `build_page`, with every file that it would load packed into it. What it shows
+is painted there by the painting's score, so only what a page plays as it is played here can be
+carried: `page_score` says what cannot.
+"""
+
+from __future__ import annotations
+
+import base64
+import gzip
+import hashlib
+import html
+import json
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from paint3d.app.model.persistence.brush_words import brush_from_words
+from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, PURE_INKS
+from paint3d.app.model.score.codecs import InkTable, make_header
+from paint3d.app.model.score.playing import painted
+from paint3d.brush.presets import brush_names, load_brush
+from paint3d.colour.inks import load_ink
+from paint3d.colour.pigments import load_pigment
+from paint3d.core.atomic import write_atomically
+from paint3d.device.recorded import Recording
+from paint3d.device.sample import ERASER
+from paint3d.errors import InputError
+from paint3d.files.progress import Progress, part_of
+from paint3d.files.project.session import Session
+from paint3d.page.folder import BUILT, INKS, KERNELS, PageObject, build_page, check_built
+from paint3d.recording.score import Event, Score, write_score
+from paint3d.surface.painted_surface import PaintedSurface
+
+__all__ = ["page_score", "write_single_file"]
+
+MOST_TRIANGLES = 500_000
+"""Of an object that a page has memory for, as of one that somebody brings to it."""
+MOST_UNDONE = 30
+"""Steps that a page takes back."""
+_SCORE = "painting.score.jsonl"
+_HEAD = {"format": "paint3d-recording", "version": 2}
+_PLAYED = {
+    "begin_stroke": {"erase"}, "end_stroke": set(), "set_brush": {"brush"}, "dip": {"ink"},
+    "undo": set(), "redo": set(), "dry": set(), "follow_time": {"seconds", "times"},
+    "press_seal": {"rings", "at", "up", "ink", "coats", "pad_mm", "wear", "seed"},
+    "lay_text": {"text", "number"}, "remove_text": {"number"}, "add_layer": set(),
+    "remove_layer": {"place"}, "select_layer": {"place"}, "move_layer": {"place", "to"},
+    "set_visible": {"place", "visible"}, "rename_layer": {"place", "name"},
+    "set_opacity": {"place", "opacity"}, "set_blend": {"place", "blend"},
+}  # fmt: skip
+"""What a page plays (`Document.repeat`, web/src/page/document.ts), and the words that it heeds."""
+_UNHEARD = {"time_s"}
+"""Words that change nothing of what is painted."""
+
+
+def page_score(session: Session, progress: Progress | None = None) -> Score:
+    """The score by which a page paints the painting to the bit, which is tried here.
+
+    Parameters
+    ----------
+    session : Session
+    progress : callable, optional
+        Called with the fraction done; what it raises stops it.
+
+    Raises
+    ------
+    InputError
+        Why a page cannot paint it.
+    """
+    surface = session.surface
+    n = len(surface.source.faces)
+    if n > MOST_TRIANGLES:
+        raise InputError(
+            "its object has {n:,} triangles; a page takes {most:,} at most",
+            n=n,
+            most=MOST_TRIANGLES,
+        )
+    if surface.original is not None:
+        raise InputError("its object was meshed anew since it was painted first")
+    if surface.resolution is None:
+        raise InputError("its object is painted as it is, without a resolution")
+    score = session.score if session.score is not None else _of_recordings(session)
+    played = _as_played(score, surface)
+    again = painted(played, surface.source, progress=progress).surface
+    if again.n_vertices != surface.n_vertices or not np.array_equal(again.srgb, surface.srgb):
+        raise InputError("what was recorded of it gives another painting")
+    return played
+
+
+def _of_recordings(session: Session) -> Score:
+    """A score of a painting that was painted whole: each recording is a stroke."""
+    settings: Mapping[str, Any] = session.settings
+    if not session.recordings or session.strokes or "brush" not in settings:
+        raise InputError("it is not recorded how it was painted")
+    inks = InkTable({})
+    brush = brush_from_words(settings["brush"])
+    dipped: Any = settings.get("dipped") or settings.get("ink")
+    header = make_header(session.surface, brush, dipped, inks)
+    events: list[Event] = []
+    for recording in session.recordings:
+        events += [{"do": "begin_stroke"}, recording, {"do": "end_stroke"}]
+    azimuth = str(settings.get("azimuth", "commanded"))
+    return Score({**_HEAD, **header, "azimuth": azimuth}, tuple(events))
+
+
+def _as_played(score: Score, surface: PaintedSurface) -> Score:
+    """The same in the words that a page heeds.
+
+    Raises
+    ------
+    InputError
+        If it has others.
+    """
+    said = score.header
+    on = make_header(surface, load_brush(DEFAULT_BRUSH), {}, InkTable({}))
+    if not _is_named(said.get("brush", DEFAULT_BRUSH), brush_names()) or {
+        "length_mm",
+        "hairs",
+    } & set(said):
+        raise InputError("its brush is none of the presets")
+    if not isinstance(on["material"], str):
+        raise InputError("its material is one of somebody's own")
+    if said.get("pigments"):
+        raise InputError("it has inks of somebody's own")
+    header = {name: on[name] for name in ("object", "mesh", "resolution_mm", "material")}
+    header |= {
+        "brush": said.get("brush", DEFAULT_BRUSH),
+        "ink": _parts(said.get("ink", PURE_INKS[0])),
+    }
+    header["azimuth"] = said.get("azimuth", "commanded")
+    if said.get("pickup"):
+        header["pickup"] = said["pickup"]
+    units = {"position": "mm", "time": "ns", "force": "N"}
+    events = tuple(_events(score.events, header["ink"]))
+    return Score({**_HEAD, **header, "space": "world", "units": units}, events)
+
+
+def _is_named(value: object, names: Sequence[str]) -> bool:
+    return isinstance(value, str) and value in names
+
+
+def _parts(ink: str | Mapping[str, float]) -> dict[str, float]:
+    """The parts of an ink by the names of its pigments."""
+    text = (
+        ink if isinstance(ink, str) else ",".join(f"{name}:{part!r}" for name, part in ink.items())
+    )
+    return {pigment.name: part for pigment, part in load_ink(text).items()}
+
+
+def _events(events: Sequence[Event], ink: Mapping[str, float]) -> Iterator[Event]:
+    undone = 0
+    for event in events:
+        if isinstance(event, Recording):
+            if {"loads", "strengths"} & set(event.header) or (event.buttons & ERASER).any():
+                raise InputError("a stroke changes its load, or erases by the pen's other end")
+            yield event
+            continue
+        name = str(event["do"])
+        if event.get("refused") or name == "set_tags":
+            continue
+        line = {key: value for key, value in event.items() if key not in _UNHEARD}
+        if name == "add_layer" and isinstance(line.get("place"), int) and "name" in line:
+            place, called = line.pop("place"), line.pop("name")
+            yield line
+            line = {"do": "rename_layer", "place": place, "name": called}
+            name = "rename_layer"
+        if name == "set_symmetry" and set(line) == {"do"}:
+            continue  # none
+        others = sorted(set(line) - {"do"} - _PLAYED.get(name, set()))
+        if name not in _PLAYED or others:
+            what = name if name not in _PLAYED else f"{name} with {others[0]}"
+            raise InputError("its recording has {what}, which a page does not play", what=what)
+        if name == "set_brush" and not _is_named(line["brush"], brush_names()):
+            raise InputError("one of its brushes is none of the presets")
+        if name in ("dip", "press_seal"):
+            given = _parts(line.get("ink", ink))
+            line["ink"] = given
+            ink = given if name == "dip" else ink
+        undone += (name == "undo") - (name == "redo")
+        if name not in ("undo", "redo"):
+            undone = 0
+        if undone > MOST_UNDONE:
+            raise InputError(
+                "it takes back more than {most} steps in a row, which a page does not keep",
+                most=MOST_UNDONE,
+            )
+        yield line
+
+
+def write_single_file(
+    session: Session,
+    score: Score,
+    path: Path,
+    progress: Progress | None = None,
+    *,
+    title: str = "",
+    page: Path = BUILT,
+    kernels: Path = KERNELS,
+) -> None:
+    """Write a painting, and the studio that goes on with it, as one HTML file.
+
+    It asks for nothing, of no host; its content policy forbids it.
+
+    Parameters
+    ----------
+    session : Session
+    score : Score
+        As `page_score` gives it.
+    path : Path
+    progress : callable, optional
+        Called with the fraction done; what it raises leaves everything as it was.
+    title : str
+        What the page is called; by default as the file.
+    page, kernels : Path
+        As for `build_page`.
+
+    Raises
+    ------
+    ExportError
+        If the page or its kernels are not built, or the file cannot be written.
+    InputError
+        If its inks are such that a page cannot have them.
+    """
+    check_built(page, kernels)
+    surface = session.surface
+    brushes = [str(score.header["brush"])]
+    inks = [score.header["ink"]]
+    for event in score.events:
+        if not isinstance(event, Recording):
+            brushes += [event["brush"]] if event["do"] == "set_brush" else []
+            inks += [event["ink"]] if "ink" in event else []
+    one = PageObject(surface.source.name, float(surface.resolution or 0.0), surface.source)
+    told = part_of(progress, 0.0, 0.9) or (lambda share: None)
+    with TemporaryDirectory() as folder:
+        built = Path(folder)
+        build_page(
+            built, [one], list(dict.fromkeys(brushes)), _named_inks(inks), told,
+            materials=[surface.material.name], page=page, kernels=kernels,
+        )  # fmt: skip
+        text = "".join(write_score(score))
+        digest = hashlib.sha256(text.encode()).hexdigest()
+        contents = json.loads((built / "contents.json").read_text("utf-8"))
+        called = title or path.name.removesuffix(path.suffix)
+        contents["painting"] = {"title": called, "id": digest[:16]}
+        for ink in contents["inks"]:
+            if ":" in ink["name"]:  # a mixture that has no name of its own
+                pigments = [load_pigment(name) for name in ink["parts"]]
+                shares = [f"{100.0 * part:.3g} %" for part in ink["parts"].values()]
+                both = list(zip(pigments, shares, strict=True))
+                ink["name"] = ", ".join(f"{one.name} {share}" for one, share in both)
+                ink["chinese"] = "、".join(f"{one.chinese} {share}" for one, share in both)
+        (built / "contents.json").write_text(json.dumps(contents, ensure_ascii=False), "utf-8")
+        (built / _SCORE).write_text(text, "utf-8")
+        whole = _joined(built, called)
+    with write_atomically(path, progress) as temporary:
+        temporary.write_text(whole, encoding="utf-8", newline="\n")
+
+
+def _named_inks(used: Sequence[Mapping[str, float]]) -> list[str]:
+    """Names of the inks that were used, and the page's usual ones of the same pigments."""
+    usual = {name: _parts(name) for name in INKS}
+    names = []
+    for parts in used:
+        called = [name for name, of in usual.items() if list(of.items()) == list(parts.items())]
+        text = ",".join(f"{name}:{part!r}" for name, part in parts.items())
+        names += called[:1] or [text]
+    known = {pigment for parts in used for pigment in parts}
+    return list(
+        dict.fromkeys([*names, *(n for n, of in usual.items() if set(of) <= known | {"water"})])
+    )
+
+
+def _joined(built: Path, title: str) -> str:
+    """A built page with all that it loads in one text."""
+    page = (built / "index.html").read_text("utf-8")
+    (script,), (style,) = ([*(built / "assets").glob(f"index-*.{kind}")] for kind in ("js", "css"))
+    code = re.sub(r"</(?=script)", r"<\\/", script.read_text("utf-8"), flags=re.IGNORECASE)
+    assert "<!--" not in code, "a script within HTML has no such comment"
+    look = style.read_text("utf-8")
+    blocks = []
+    for file in sorted(built.rglob("*")):
+        if file.is_dir() or file in (script, style) or file.name == "index.html":
+            continue
+        is_asset = file.parent.name == "assets"
+        name = file.name if is_asset else file.relative_to(built).as_posix()
+        data = file.read_bytes()
+        packed = data if file.suffix == ".gz" else gzip.compress(data, 9, mtime=0)
+        blocks.append(
+            f'<script type="application/gzip" id="file:{html.escape(name)}">'
+            f"{base64.b64encode(packed).decode('ascii')}</script>\n"
+        )
+    policy = (
+        f"default-src 'none'; script-src 'sha256-{_digest(code)}' 'wasm-unsafe-eval'; "
+        f"style-src 'sha256-{_digest(look)}'; worker-src blob:; img-src data: blob:; "
+        "base-uri 'none'; form-action 'none'"
+    )
+    for pattern, by in (
+        (r'(?<=http-equiv="Content-Security-Policy")(\s+content=")[^"]*', rf"\g<1>{policy}"),
+        (r"<script type=\"module\"[^>]*></script>\s*", ""),
+        (r"<link rel=\"stylesheet\"[^>]*>", lambda _: f"<style>{look}</style>"),
+        (r"<title>[^<]*", lambda _: f"<title>{html.escape(title)}"),
+        (
+            r'(?<=<div id="message" role="status">)[^<]*',
+            "The painting is being loaded. 正在载入画作。",
+        ),
+        (r"(?=</body>)", lambda _: f'{"".join(blocks)}<script type="module">{code}</script>\n'),
+    ):
+        page, n = re.subn(pattern, by, page, count=1)
+        assert n == 1, f"the page has {pattern}"
+    return page
+
+
+def _digest(text: str) -> str:
+    return base64.b64encode(hashlib.sha256(text.encode()).digest()).decode("ascii")
