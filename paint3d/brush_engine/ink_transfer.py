@@ -110,17 +110,21 @@ def _fill_gains(enters, leaves, strength, power, numbers, gains):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _give_by_line(n, aside, first, per_mm, gains, share):
+def _give_by_line(n, aside, first, per_mm, reach, gains, share):
     """Multiply the shares of vertices by what the lines on which they lie get.
 
-    The middle of the first line lies at `first` mm across the way. Between the middles of a line
-    and the next, a gain is that of the first of a pair of `gains`, and so many times as the place
-    says that of the second.
+    The middle of the first line lies at `first` mm across the way, and vertices stand for `reach`
+    mm to either side: of one at a flank, the line in the middle of what is covered counts. Between
+    the middles of a line and the next, a gain is that of the first of a pair of `gains`, and so
+    many times as the place says that of the second.
     """
-    middle, scale = np.float32(first), np.float32(per_mm)
+    middle, scale, half = np.float32(first), np.float32(per_mm), np.float32(reach * per_mm)
     starts, rises, last = gains[0], gains[1], np.float32(LINES - 1.001)
+    left, right = np.float32(-0.5), np.float32(LINES - 0.5)  # flanks
     for k in range(n):
-        at = min(max((aside[k] - middle) * scale, np.float32(0.0)), last)
+        at = (aside[k] - middle) * scale
+        at = np.float32(0.5) * (max(at - half, left) + min(at + half, right))
+        at = min(max(at, np.float32(0.0)), last)
         line = np.uint32(np.int32(at)) & np.uint32(LINES - 1)
         share[k] *= starts[line] + at * rises[line]
 
@@ -167,7 +171,8 @@ def level_shares(before, after, wet, contact, field, ink, n, scratch):
     cut_outline(chords.points[1], at, LINES, 1.0 / apart, enters, leaves)
     power = _ON_GLAZE + ink.transfer[0].grain * (_ON_GRAIN - _ON_GLAZE)
     _fill_gains(enters, leaves, evens, power, numbers, gains)
-    _give_by_line(n, found.aside, at[0], 1.0 / apart, gains, found.share)
+    reach = 0.5 * field.soft_edge
+    _give_by_line(n, found.aside, at[0], 1.0 / apart, reach, gains, found.share)
     if drinks > 0.0:
         full = min(1.0, max(0.0, (wet - 1.0) / (_FULL - 1.0)))
         strength = evens * drinks * (_STREAKS + full * (_STREAKS_FULL - _STREAKS))
