@@ -110,7 +110,7 @@ def _wetted_fraction(share: float) -> float:
 
 
 def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
-    """Rate at which each sample takes ink of a fully wetted brush: its eta' pe ds.
+    """Rate at which each sample takes ink of a fully wetted brush on raw xuan: its eta' pe ds.
 
     Parameters
     ----------

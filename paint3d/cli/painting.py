@@ -97,7 +97,7 @@ class PaintingOptions:
         unsaid="what suits a sheet, else porcelain", metavar="NAME|FILE",
     )  # fmt: skip
     resolution: float = _option(
-        0.4, OBJECTS, "vertex spacing wanted where paint is, mm; on sheets 0.15 to 0.6, by their size",
+        0.4, OBJECTS, "vertex spacing wanted where paint is, mm; on sheets 0.15 to 0.6",
         metavar="MM", type=parse_resolution_mm,
     )  # fmt: skip
     unit: str | None = _option(None, OBJECTS, UNIT_HELP, choices=UNITS)

@@ -14,7 +14,7 @@ UPRIGHT = (1.0, 0.0, 0.0, 0.0)
 
 @pytest.fixture(scope="module")
 def painter():
-    return paint3d.Painter(paint3d.PaintedSurface(paint3d.load_mesh("plane"), 2.0), "full")
+    return paint3d.Painter(paint3d.PaintedSurface(paint3d.load_mesh("plane"), 2.0, "xuan"), "full")
 
 
 def test_three_newton_on_the_plane_leave_the_footprint_of_the_model(painter):

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from paint3d.brush.bending import build_tuft
+from paint3d.brush.bending import tuft_on
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
 from paint3d.brush_engine.footprint import PROFILE_CELLS
@@ -65,7 +65,8 @@ def disagreements(painter: Painter, places: NDArray, polygon: NDArray, bare: NDA
 def test_a_dab_on_the_plane_is_the_footprint(brush, pressure, azimuth, tilt):
     painter = press(sheet(flat, (40.0, 40.0), 5.0), pressure, azimuth, tilt, brush)
     spec = load_brush(brush)
-    footprint = make_footprint(build_tuft(spec), pressure * spec.full_press_mm, tilt, azimuth)
+    tuft = tuft_on(spec, painter.surface.material)
+    footprint = make_footprint(tuft, pressure * spec.full_press_mm, tilt, azimuth)
     footprint = footprint.rounded()
     vertices = painter.surface.paint_mesh.vertices
     no = np.zeros(len(vertices), bool)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -17,6 +18,7 @@ from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import DipAmount
 from paint3d.calligraphy.dips import LEAST_LOAD, apply_dip_option, ink_taken, remove_dips
 from paint3d.cli.main import main
+from paint3d.colour.materials import load_material
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError
@@ -123,7 +125,8 @@ def test_what_is_foretold_is_what_is_left() -> None:
     """
     recording = apply_dip_option(demo(), BRUSH, "auto")
     amount = DipAmount.of(recording.header["dip"])
-    surface = PaintedSurface(load_mesh("bowl"), resolution=0.3)
+    glaze = replace(load_material("porcelain"), name="as rated", absorbency=1.0, friction=1.0)
+    surface = PaintedSurface(load_mesh("bowl"), 0.3, glaze)
     painter = Painter(surface, BRUSH, "pine soot", amount=amount)
     painter.replay(recording)
     foretold = ink_taken(recording, BRUSH).sum() / amount.wetted

@@ -257,7 +257,7 @@ def test_strokes_beside_their_box_are_corrected_alike() -> None:
     least = [
         np.nanmin(rehearsed(plan, paint, load_material("porcelain"), 1).strength) for plan in plans
     ]
-    assert least[0] < 0.37  # it came out too dark
+    assert least[0] < 0.42  # it came out too dark
     assert least[1] == pytest.approx(least[0], abs=0.01)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,6 +19,7 @@ from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.photo.ink_mask import bodies_in, find_ink
 from paint3d.calligraphy.shapes.regions import with_stubs
 from paint3d.calligraphy.stroke_sides import stroke_outlines, stroke_polygon
+from paint3d.colour.materials import load_material
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
@@ -208,7 +210,8 @@ def area(rings):
 
 @functools.cache
 def painted_area(kind):
-    surface = PaintedSurface(load_mesh("plane"), resolution=0.2)
+    glaze = replace(load_material("porcelain"), name="as rated", friction=1.0)
+    surface = PaintedSurface(load_mesh("plane"), 0.2, glaze)
     Painter(surface, brush=BRUSH).replay(recording(*kind()))
     mesh = surface.mesh
     corners = np.asarray(mesh.vertices, float)[mesh.faces]
