@@ -122,26 +122,16 @@ def _mean_covered(a, b, per_way):
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _covered_at(t, a, b, c, d, first, last):
-    """Share of the box between two edges after a part of the way: see `_most_covered`."""
-    between = _covered(a + t * (b - a)) + _covered(c + t * (d - c)) - _ONE
-    return (first + t * (last - first)) * between
+def _between(a, b):
+    """Share of the box on the inner side of two edges that face each other."""
+    return max(_ZERO, _covered(a) + _covered(b) - _ONE)
 
 
 @uncounted(error_model="numpy", forceinline=True)
-def _most_covered(a, b, c, d, per_way, per_way_out, first, last):
-    """Greatest share of the box between two edges whose distances go from a to b, and c to d.
-
-    Of all of it there are shares that go from `first` to `last`. It is greatest at the beginning,
-    at the end, or where one of the edges has just passed over all of the box.
-    """
-    t = min(_ONE, max(_ZERO, (_HALF - a) * per_way))
-    t_out = min(_ONE, max(_ZERO, (_HALF - c) * per_way_out))
-    passed = _covered_at(t, a, b, c, d, first, last)
-    left = _covered_at(t_out, a, b, c, d, first, last)
-    begin = first * (_covered(a) + _covered(c) - _ONE)
-    end = last * (_covered(b) + _covered(d) - _ONE)
-    return max(max(_ZERO, max(passed, left)), max(begin, end))
+def _covered_at(t, a, b, c, d, low, low_then, high, high_then):
+    """Share of the box between two edges and two flanks after a part of the way, by distances."""
+    within = _between(low + t * (low_then - low), high + t * (high_then - high))
+    return within * _between(a + t * (b - a), c + t * (d - c))
 
 
 @uncounted(error_model="numpy")
@@ -444,23 +434,43 @@ def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover)
     from_b, per_mm_b, last_b = _grid(grids[1])
     low_a, high_a = np.float32(flanks[0, 0]), np.float32(flanks[0, 2])
     low_b, high_b = np.float32(flanks[1, 0]), np.float32(flanks[1, 2])
+    half = np.float32(0.5 / scale)
+    track_low = _track(flanks[0, 0], flanks[0, 1], flanks[1, 0], flanks[1, 1], half)
+    track_high = _track(flanks[0, 2], flanks[0, 3], flanks[1, 2], flanks[1, 3], half)
     per_low = _per_way(-low_a * per_box, -low_b * per_box)
     per_high = _per_way(high_a * per_box, high_b * per_box)
     for k in range(n):
         x, y = xs[k], ys[k]
-        a, c = _distances(x, y, from_a, per_mm_a, last_a, before)
-        b, d = _distances(x, y, from_b, per_mm_b, last_b, after)
+        # beyond a flank, where that passes on its way
+        x_a = x - min(_ZERO, y - low_a + half) * track_low
+        x_a -= max(_ZERO, y - high_a - half) * track_high
+        x_b = x - min(_ZERO, y - low_b + half) * track_low
+        x_b -= max(_ZERO, y - high_b - half) * track_high
+        a, c = _distances(x_a, y, from_a, per_mm_a, last_a, before)
+        b, d = _distances(x_b, y, from_b, per_mm_b, last_b, after)
         per_way, per_way_out = _per_way(a, b), _per_way(c, d)
         mean = max(_ZERO, _mean_covered(a, b, per_way) + _mean_covered(c, d, per_way_out) - _ONE)
         low, high = (y - low_a) * per_box, (high_a - y) * per_box
         low_then, high_then = (y - low_b) * per_box, (high_b - y) * per_box
         within = _mean_covered(low, low_then, per_low) + _mean_covered(high, high_then, per_high)
-        first = max(_ZERO, _covered(low) + _covered(high) - _ONE)
-        last = max(_ZERO, _covered(low_then) + _covered(high_then) - _ONE)
-        most = _most_covered(a, b, c, d, per_way, per_way_out, first, last)
+        # it is greatest at the beginning, at the end, or where an edge has just passed all of it
+        t = min(_ONE, max(_ZERO, (_HALF - a) * per_way))
+        t_out = min(_ONE, max(_ZERO, (_HALF - c) * per_way_out))
+        passed = _covered_at(t, a, b, c, d, low, low_then, high, high_then)
+        left = _covered_at(t_out, a, b, c, d, low, low_then, high, high_then)
+        begin = _between(low, high) * _between(a, c)
+        end = _between(low_then, high_then) * _between(b, d)
+        most = max(max(passed, left), max(begin, end))
         cover[k] = most if most > _NOTHING else _ZERO
         weight = (within - _ONE) * mean
         share[k] = weight * stretch[k] if min(weight, most) > _NOTHING else _ZERO
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _track(y, x, y_then, x_then, half):
+    """How far a flank goes along the way for each mm across; 0 where it hardly goes across."""
+    across = y_then - y
+    return np.float32((x_then - x) / across) if abs(across) > 0.1 * half else _ZERO
 
 
 @uncounted(error_model="numpy", forceinline=True)

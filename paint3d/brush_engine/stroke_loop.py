@@ -71,7 +71,7 @@ NEEDS_ROOM = 1
 _FINEST_STEP = 0.35  # of the paint's resolution: the shortest sweep, and how near samples count
 _STEP_SHARE = 0.25  # of the footprint's smaller extent: the longest sweep
 _BOW = 0.025  # of the paint's resolution: how far a sweep's chord may leave the path
-_TURN = 1.5  # of it: how far one end of an outline may turn about the other in a sweep
+_BENT = 1.5  # of it: how far an outline may turn and grow in a sweep
 _MOST_STEPS = 4096  # sweeps between two samples
 _DRAG_STEPS = 20.0  # per length of slack
 
@@ -437,7 +437,7 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
     step = max(_FINEST_STEP * resolution, _STEP_SHARE * extent)
     n = max(outline_motion(before, after) / step, np.sqrt(bow / (_BOW * resolution)))
     if a.touches > 0.0 and b.touches > 0.0:
-        n = max(n, _turn(a, b) / (_TURN * resolution))
+        n = max(n, _bent(a, b) / (_BENT * resolution))
     if dragged:
         slack = drag_length(b.descent, tuft.length, tuft.drag_fraction)
         n = max(n, foot_motion(a, b) * _DRAG_STEPS / max(slack, resolution))
@@ -445,13 +445,16 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
 
 
 @uncounted
-def _turn(a, b):
-    """How far one end of an outline turned about the other between two stamps' geometries, mm."""
+def _bent(a, b):
+    """How far one end of an outline turned about the other between two stamps' geometries, mm, and
+    how much longer or broader it grew."""
     sine = cosine = 0.0
     for axis in range(3):
         sine += b.bend[axis] * a.cross[axis]
         cosine += b.bend[axis] * a.bend[axis]
-    return abs(np.arctan2(sine, cosine)) * max(a.tip - a.heel, b.tip - b.heel)
+    length, length_then = a.tip - a.heel, b.tip - b.heel
+    grown = max(abs(length_then - length), 2.0 * abs(b.widest - a.widest))
+    return abs(np.arctan2(sine, cosine)) * max(length, length_then) + grown
 
 
 @uncounted
