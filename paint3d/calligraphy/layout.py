@@ -39,6 +39,7 @@ __all__ = [
     "MOST_EM_MM",
     "Layout",
     "PlacedCharacter",
+    "TextPlace",
     "WritingArea",
     "find_writing_areas",
     "frames_to_try",
@@ -46,7 +47,6 @@ __all__ = [
     "places_for",
     "split_text",
     "upright_frame",
-    "walking_step",
     "with_suggestion",
 ]
 
@@ -60,11 +60,6 @@ _ACROSS = (0.5, 0.35, 0.65, 0.2, 0.8)
 _SCATTERED = 60
 _GOLDEN = (0.7548776662466927, 0.5698402909980532)  # even in the plane: Roberts' R2 sequence
 _STEPS_PER_EM, _LEAST_STEP_MM = 8.0, 0.1
-
-
-def walking_step(em_mm: float) -> float:
-    """Length (mm) of a step of the lines that a text of an em runs along."""
-    return max(em_mm / _STEPS_PER_EM, _LEAST_STEP_MM)
 
 
 def upright_frame(surface: ClosestPoints, point: AnyArray, up: Upright) -> SurfaceFrame:
@@ -470,25 +465,25 @@ def with_suggestion(
     if smaller is None and other is None:
         return fault
     if other is None:
-        told = Message(
+        message = Message(
             "{cause}; a size of {smaller:g} mm would fit", cause=fault.message, smaller=smaller
         )
     elif smaller is None:
-        told = Message(
+        message = Message(
             "{cause}; this size would fit at {u:g},{v:g}",
             cause=fault.message,
             u=other[0],
             v=other[1],
         )
     else:
-        told = Message(
+        message = Message(
             "{cause}; a size of {smaller:g} mm would fit, and this size at {u:g},{v:g}",
             cause=fault.message,
             smaller=smaller,
             u=other[0],
             v=other[1],
         )
-    return type(fault)(told, hint=fault.hint)
+    return type(fault)(message, hint=fault.hint)
 
 
 def _too_long_error(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
@@ -515,34 +510,70 @@ def _too_long_error(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
     )
 
 
-class _Grid:
-    """The grid of squares around one place of a surface."""
+@dataclass(eq=False)
+class TextPlace:
+    """A place of a surface that text is laid around, and the lines that go from there."""
 
-    def __init__(
-        self,
-        area: WritingArea,
-        em_mm: float,
-        layout: Layout,
-        limits: SquareLimits,
-        middle: SurfaceFrame,
-    ) -> None:
-        self.area, self.surface = area, (surface := area.surface)
-        self.em_mm, self.layout, self.limits = em_mm, layout, limits
-        self.middle = middle
-        self._climbed: dict[float, SurfaceLine] = {}
-        self.up = area.upright(middle.normal, layout)
-        self.right = self._walk(self.middle, (1.0, 0.0), None)
-        self.left = self._walk(self.middle, (-1.0, 0.0), None)
-        if layout.around and not self.right.closed:
+    area: WritingArea
+    em_mm: float
+    layout: Layout
+    limits: SquareLimits
+    middle: SurfaceFrame
+    most_mm: float | None = None  # how far lines are followed
+
+    def __post_init__(self) -> None:
+        self.surface = self.area.surface
+        self.up = self.area.upright(self.middle.normal, self.layout)
+        self._climbs: dict[float, SurfaceLine] = {}
+
+    def frame(self, point: AnyArray) -> SurfaceFrame:
+        """The upright frame at a point (3,); MeshError where the surface lies level."""
+        return upright_frame(self.surface, point, self.up)
+
+    def walk(
+        self, start: SurfaceFrame, bearing: tuple[float, float], most: float | None = None
+    ) -> SurfaceLine:
+        """The line from a frame in a direction, to the right and up, no longer than `most` mm."""
+        most = self.most_mm if most is None else most
+        step = max(self.em_mm / _STEPS_PER_EM, _LEAST_STEP_MM)
+        return walk(self.surface, start, self.up, bearing, most, step)
+
+    def climb(self, sign: float) -> SurfaceLine:
+        """The line straight up from the middle, or with -1 straight down."""
+        if sign not in self._climbs:
+            self._climbs[sign] = self.walk(self.middle, (0.0, sign))
+        return self._climbs[sign]
+
+    def check_closed(self, level: SurfaceLine) -> None:
+        """Refuse a level line that does not go all around."""
+        if not level.closed:
             raise MeshError(
                 "{object}: the level line of the place does not come back to its start; expected a "
                 "body that can be written around",
-                object=surface.mesh.name,
+                object=self.surface.mesh.name,
                 hint="where it lies on its side, --up says which axis of the file points up",
             )
+
+    def surface_ends_error(self) -> MeshError:
+        """Error for a text that goes on beyond the surface."""
+        return MeshError(
+            "{object}: the surface ends within the text", object=self.surface.mesh.name
+        )
+
+
+class _Grid(TextPlace):
+    """The grid of squares around one place of a surface."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.most_mm, layout = _FARTHEST * self.em_mm, self.layout
+        self.right = self.walk(self.middle, (1.0, 0.0))
+        self.left = self.walk(self.middle, (-1.0, 0.0))
+        if layout.around:
+            self.check_closed(self.right)
         gaps = (layout.gap, layout.between)
         gaps = gaps if layout.order == "columns" else gaps[::-1]
-        self.pitch = em_mm * (1.0 + np.array(gaps))
+        self.pitch = self.em_mm * (1.0 + np.array(gaps))
         self._loose = math.inf if layout.around else 1.0
         self._start = self._first_usable()
 
@@ -567,7 +598,7 @@ class _Grid:
         fault: MeshError | None = None
         for away in (0.25 * self.em_mm * np.arange(7)).tolist():
             for sign in (1.0, -1.0):
-                line = self._climb(sign)
+                line = self.climb(sign)
                 reached = away if line.reaches(away) else line.length
                 try:
                     self._square(line.at(reached))
@@ -579,7 +610,7 @@ class _Grid:
 
     def _reach(self, start: float, sign: float) -> float:
         """Farthest place (mm up from the middle) where a square can lie, to a 40th of the em."""
-        line = self._climb(sign)
+        line = self.climb(sign)
         known, step = start, 0.5 * self.em_mm
         while step > self.em_mm / 50.0:
             distance = sign * known + step
@@ -597,22 +628,7 @@ class _Grid:
         return True
 
     def _square(self, point: AnyArray) -> EmSquare:
-        return lay_square(self.surface, self._frame(point), self.em_mm, self.limits)
-
-    def _frame(self, point: AnyArray) -> SurfaceFrame:
-        return upright_frame(self.surface, point, self.up)
-
-    def _climb(self, sign: float) -> SurfaceLine:
-        """The line straight up from the middle, or with -1 straight down."""
-        if sign not in self._climbed:
-            self._climbed[sign] = self._walk(self.middle, (0.0, sign), None)
-        return self._climbed[sign]
-
-    def _walk(
-        self, start: SurfaceFrame, bearing: tuple[float, float], most: float | None
-    ) -> SurfaceLine:
-        most = _FARTHEST * self.em_mm if most is None else most
-        return walk(self.surface, start, self.up, bearing, most, walking_step(self.em_mm))
+        return lay_square(self.surface, self.frame(point), self.em_mm, self.limits)
 
     def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
         """Return whether so many squares fit, across and down, by the middle lines alone."""
@@ -738,10 +754,7 @@ class _Grid:
             line = lines[cell.across][0 if height >= 0.0 else 1]
             away = abs(height)
             if not line.reaches(away - _TOUCHING * self.em_mm):
-                raise MeshError(
-                    "{object}: the surface ends within the text",
-                    object=self.surface.mesh.name,
-                )
+                raise self.surface_ends_error()
             squares.append(self._square(line.at(away if line.reaches(away) else line.length)))
         return squares
 
@@ -752,13 +765,10 @@ class _Grid:
         else:
             level, distance = self.left, -across
         if not level.reaches(distance) and not level.closed:
-            raise MeshError(
-                "{object}: the surface ends within the text",
-                object=self.surface.mesh.name,
-            )
-        frame = self._frame(level.at(distance))
-        up = self._walk(frame, (0.0, 1.0), max(top, 0.0))
-        return up, self._walk(frame, (0.0, -1.0), max(-bottom, 0.0))
+            raise self.surface_ends_error()
+        frame = self.frame(level.at(distance))
+        up = self.walk(frame, (0.0, 1.0), max(top, 0.0))
+        return up, self.walk(frame, (0.0, -1.0), max(-bottom, 0.0))
 
     def _top(self, block: float) -> float:
         """Height (mm up from the middle) of the first row; the block is moved until it fits."""

@@ -14,18 +14,18 @@ from dataclasses import dataclass, replace
 from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph
 from paint3d.calligraphy.layout import (
     Layout,
+    TextPlace,
     WritingArea,
     find_writing_areas,
     frames_to_try,
     upright_frame,
-    walking_step,
     with_suggestion,
 )
 from paint3d.calligraphy.page.page import Composer, Page, Piece, bounds_of
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
-from paint3d.mesh.placement import SurfaceLine, walk
+from paint3d.mesh.placement import SurfaceLine
 
 __all__ = ["PlacedPiece", "lay_page"]
 
@@ -164,23 +164,13 @@ def _far_too_large(
     )
 
 
-class _Sheet:
+class _Sheet(TextPlace):
     """A page's lines up and along, around one place of a surface."""
 
-    def __init__(
-        self,
-        area: WritingArea,
-        em_mm: float,
-        layout: Layout,
-        limits: SquareLimits,
-        middle: SurfaceFrame,
-    ) -> None:
-        self.surface = area.surface
-        self.em_mm, self.layout, self.limits = em_mm, layout, limits
-        self.middle, self.scale = middle, em_mm / EM_UNITS
-        self.up = area.upright(middle.normal, layout)
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.scale = self.em_mm / EM_UNITS
         self.too_small: MeshError | None = None  # why pages were not even composed
-        self._climbs: dict[float, SurfaceLine] = {}
         self._levels: dict[tuple[float, float], SurfaceLine] = {}
 
     def pages(self, composer: Composer) -> Iterator[Page]:
@@ -188,40 +178,36 @@ class _Sheet:
 
         Of that not even the glyphs are placed, which takes seconds for thousands.
         """
-        room = self._room(composer)
+        room = self._length_along(composer)
         page: Page | None = None
         for share in (math.inf, *_SHARES):
             length = share * room / self.scale
             along, across = (self.scale * size for size in composer.least_size(length))
-            if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._depth(composer):
-                self.too_small = self.too_small or self._line_ends()
+            if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._length_across(
+                composer
+            ):
+                self.too_small = self.too_small or self.surface_ends_error()
                 continue
             following = composer.compose(length)
             if following is not page:
                 page = following
                 yield page
 
-    def _depth(self, composer: Composer) -> float:
+    def _length_across(self, composer: Composer) -> float:
         """Room across the lines, mm."""
         if not composer.runs_down:
-            return sum(self._climb(sign).length for sign in (1.0, -1.0))
-        right = self._level(0.0, 1.0)
-        return right.length if right.closed else right.length + self._level(0.0, -1.0).length
+            return sum(self.climb(sign).length for sign in (1.0, -1.0))
+        right = self._level_line(0.0, 1.0)
+        return right.length if right.closed else right.length + self._level_line(0.0, -1.0).length
 
-    def _line_ends(self) -> MeshError:
-        return MeshError(
-            "{object}: the surface ends within the text",
-            object=self.surface.mesh.name,
-        )
-
-    def _room(self, composer: Composer) -> float:
+    def _length_along(self, composer: Composer) -> float:
         """Greatest length of a line of text, mm."""
         if composer.runs_down:
-            return sum(self._climb(sign).length for sign in (1.0, -1.0))
-        right = self._level(0.0, 1.0)
+            return sum(self.climb(sign).length for sign in (1.0, -1.0))
+        right = self._level_line(0.0, 1.0)
         if right.closed:
             return right.length
-        return 2.0 * min(right.length, self._level(0.0, -1.0).length)
+        return 2.0 * min(right.length, self._level_line(0.0, -1.0).length)
 
     def lay(self, page: Page) -> list[PlacedPiece]:
         """Every piece of a page; the page is moved up or down where that makes it fit.
@@ -237,7 +223,7 @@ class _Sheet:
         fault: MeshError | None = None
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
-                laid = self._ribbon(page, move * self.em_mm) if in_words else page
+                laid = self._wrap_around(page, move * self.em_mm) if in_words else page
                 placed = [self._lay_piece(piece, laid, move * self.em_mm) for piece in laid.pieces]
                 self._check_apart(laid, placed)
                 return placed
@@ -271,12 +257,12 @@ class _Sheet:
         """A page drawn out until it goes all around the body."""
         left, _, right, _ = page.bounds
         gap = self.layout.gap * EM_UNITS
-        wanted = self._ring(0.0, right - left + gap)
+        wanted = self._ring_length(0.0, right - left + gap)
         more = wanted / (right - left + gap)
         pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
         return replace(page, pieces=tuple(pieces))
 
-    def _ribbon(self, page: Page, move: float) -> Page:
+    def _wrap_around(self, page: Page, move: float) -> Page:
         """A page of words all around the body, as often as it goes round.
 
         The room that is left is shared evenly by the gaps between words; a copy's middle lies at
@@ -294,7 +280,7 @@ class _Sheet:
         for line, words in lines.items():
             left, _, right, _ = bounds_of(box for boxes in words.values() for box in boxes)
             widths[line] = right - left
-            rings[line] = self._ring(rings[line], widths[line] + seam)
+            rings[line] = self._ring_length(rings[line], widths[line] + seam)
         copies = min(int(rings[line] * (1.0 + _ROUNDING) / (widths[line] + seam)) for line in lines)
         shifts: dict[tuple[int, int], float] = {}
         for line, words in lines.items():
@@ -311,7 +297,7 @@ class _Sheet:
                 pieces.append(replace(piece, at=(x, piece.at[1])))
         return replace(page, pieces=tuple(pieces))
 
-    def _ring(self, height: float, least: float) -> float:
+    def _ring_length(self, height: float, least: float) -> float:
         """Length of the level line so many mm above the middle, glyph units, if it is closed.
 
         Raises
@@ -319,14 +305,8 @@ class _Sheet:
         MeshError
             If it does not come back to its start, or is shorter than `least`, glyph units.
         """
-        ring = self._level(round(height, 6), 1.0)
-        if not ring.closed:
-            raise MeshError(
-                "{object}: the level line of the place does not come back to its start; expected a "
-                "body that can be written around",
-                object=self.surface.mesh.name,
-                hint="where it lies on its side, --up says which axis of the file points up",
-            )
+        ring = self._level_line(round(height, 6), 1.0)
+        self.check_closed(ring)
         wanted = ring.length / self.scale
         if least > wanted * (1.0 + _ROUNDING):
             raise MeshError(
@@ -342,33 +322,24 @@ class _Sheet:
         in_ribbon = self.layout.around and piece.word is not None
         x = self.scale * (piece.at[0] - (0.0 if in_ribbon else 0.5 * (left + right)))
         y = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
-        level = self._level(round(y, 6), 1.0)
+        level = self._level_line(round(y, 6), 1.0)
         if not level.closed and x < 0.0:
-            level, x = self._level(round(y, 6), -1.0), -x
+            level, x = self._level_line(round(y, 6), -1.0), -x
         too_wide = not in_ribbon and self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
         if too_wide if level.closed else x > level.length:
-            raise self._line_ends()
-        frame = upright_frame(self.surface, level.at(x), self.up)
+            raise self.surface_ends_error()
+        frame = self.frame(level.at(x))
         box = piece.glyph.box
         size = self.scale * (box[2] - box[0]), self.scale * (box[3] - box[1])
         square = lay_square(self.surface, frame, self.em_mm, self.limits, size)
         return PlacedPiece(piece.glyph, square)
 
-    def _level(self, height: float, sign: float) -> SurfaceLine:
+    def _level_line(self, height: float, sign: float) -> SurfaceLine:
         """The level line to the right, or with -1 to the left, so many mm above the middle."""
         if (height, sign) not in self._levels:
-            climb = self._climb(math.copysign(1.0, height))
+            climb = self.climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
-                raise self._line_ends()
-            frame = upright_frame(self.surface, climb.at(abs(height)), self.up)
-            self._levels[height, sign] = self._walk(frame, (sign, 0.0))
+                raise self.surface_ends_error()
+            frame = self.frame(climb.at(abs(height)))
+            self._levels[height, sign] = self.walk(frame, (sign, 0.0))
         return self._levels[height, sign]
-
-    def _climb(self, sign: float) -> SurfaceLine:
-        """The line straight up from the middle, or with -1 straight down."""
-        if sign not in self._climbs:
-            self._climbs[sign] = self._walk(self.middle, (0.0, sign))
-        return self._climbs[sign]
-
-    def _walk(self, start: SurfaceFrame, bearing: tuple[float, float]) -> SurfaceLine:
-        return walk(self.surface, start, self.up, bearing, None, walking_step(self.em_mm))
