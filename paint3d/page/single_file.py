@@ -118,26 +118,20 @@ def _as_played(score: Score, surface: PaintedSurface) -> Score:
         If it has others.
     """
     said = score.header
+    if said.get("pigments"):
+        raise InputError("it has inks of somebody's own")
+    brush, ink = said.get("brush", DEFAULT_BRUSH), _parts(said.get("ink", PURE_INKS[0]))
     on = make_header(surface, load_brush(DEFAULT_BRUSH), {}, InkTable({}))
-    if not _is_named(said.get("brush", DEFAULT_BRUSH), brush_names()) or {
-        "length_mm",
-        "hairs",
-    } & set(said):
+    if not _is_named(brush, brush_names()) or {"length_mm", "hairs"} & set(said):
         raise InputError("its brush is none of the presets")
     if not isinstance(on["material"], str):
         raise InputError("its material is one of somebody's own")
-    if said.get("pigments"):
-        raise InputError("it has inks of somebody's own")
     header = {name: on[name] for name in ("object", "mesh", "resolution_mm", "material")}
-    header |= {
-        "brush": said.get("brush", DEFAULT_BRUSH),
-        "ink": _parts(said.get("ink", PURE_INKS[0])),
-    }
-    header["azimuth"] = said.get("azimuth", "commanded")
+    header |= {"brush": brush, "ink": ink, "azimuth": said.get("azimuth", "commanded")}
     if said.get("pickup"):
         header["pickup"] = said["pickup"]
     units = {"position": "mm", "time": "ns", "force": "N"}
-    events = tuple(_events(score.events, header["ink"]))
+    events = tuple(_events(score.events, ink))
     return Score({**_HEAD, **header, "space": "world", "units": units}, events)
 
 
@@ -147,10 +141,13 @@ def _is_named(value: object, names: Sequence[str]) -> bool:
 
 def _parts(ink: str | Mapping[str, float]) -> dict[str, float]:
     """The parts of an ink by the names of its pigments."""
-    text = (
-        ink if isinstance(ink, str) else ",".join(f"{name}:{part!r}" for name, part in ink.items())
-    )
+    text = ink if isinstance(ink, str) else _mixed(ink)
     return {pigment.name: part for pigment, part in load_ink(text).items()}
+
+
+def _mixed(parts: Mapping[str, float]) -> str:
+    """How `load_ink` is told of parts."""
+    return ",".join(f"{name}:{part!r}" for name, part in parts.items())
 
 
 def _events(events: Sequence[Event], ink: Mapping[str, float]) -> Iterator[Event]:
@@ -178,6 +175,8 @@ def _events(events: Sequence[Event], ink: Mapping[str, float]) -> Iterator[Event
             raise InputError("its recording has {what}, which a page does not play", what=what)
         if name == "set_brush" and not _is_named(line["brush"], brush_names()):
             raise InputError("one of its brushes is none of the presets")
+        if name == "lay_text" and line["text"].get("font"):
+            raise InputError("a text on it is in a font, which a page does not have")
         if name in ("dip", "press_seal"):
             given = _parts(line.get("ink", ink))
             line["ink"] = given
@@ -268,8 +267,7 @@ def _named_inks(used: Sequence[Mapping[str, float]]) -> list[str]:
     names = []
     for parts in used:
         called = [name for name, of in usual.items() if list(of.items()) == list(parts.items())]
-        text = ",".join(f"{name}:{part!r}" for name, part in parts.items())
-        names += called[:1] or [text]
+        names += called[:1] or [_mixed(parts)]
     known = {pigment for parts in used for pigment in parts}
     return list(
         dict.fromkeys([*names, *(n for n, of in usual.items() if set(of) <= known | {"water"})])

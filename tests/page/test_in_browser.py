@@ -713,6 +713,7 @@ def test_a_piece_is_there_again_when_the_page_is_opened_again(
         assert unended["amounts"] != again["amounts"]
         score = browser.evaluate("paint3d.score()")
         assert score.count("begin_stroke") == score.count("end_stroke") == 4
+        browser.wait_for("paint3d.isKept")
     assert unended == by_the_desktop(browser, tmp_path)
 
 

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from paint3d.app.model.score.playing import painted
@@ -25,15 +27,19 @@ from tests.support.web_page import built_page, hashes_of, why_no_kernels
 HEAD = {
     "format": "paint3d-recording", "version": 2, "object": "square", "resolution_mm": 0.8,
     "material": "xuan", "brush": "zhongkai", "ink": {"pine soot": 0.4, "water": 0.6},
+    "azimuth": "dragged", "pickup": 0.05,
 }  # fmt: skip
 SOOT, RED = {"pine soot": 0.4, "water": 0.6}, {"cinnabar": 1.0}
 
 
 def stroke(y: float) -> Recording:
-    """A stroke across the square, by a hand that another hand turns the sheet under."""
+    """A stroke across the square, while the other hand moves the sheet."""
     painter = Painter(PaintedSurface(load_mesh("square"), 4.0), "zhongkai")
     ways = [(x, y, 0.0) for x in (-60.0, 0.0, 60.0)]
-    return painter.stroke(ways, pressure=(0.0, 0.5, 0.2, 0.6, 0.0), tilt=15.0)
+    drawn = painter.stroke(ways, pressure=(0.0, 0.5, 0.2, 0.6, 0.0), tilt=15.0)
+    along = np.linspace([0.0, 0.0, 0.0], [3.0, -2.0, 1.0], len(drawn))
+    contact = None if drawn.contact is None else drawn.contact + along
+    return replace(drawn, position=drawn.position + along, object_position=along, contact=contact)
 
 
 def session_of(*events: Any, **changes: Any) -> Session:

@@ -583,6 +583,7 @@ class Page {
         button("ply", "PLY", () => void this.#saveObject("ply")),
         note(say(this.#keeper === null ? "notKept" : "kept"))),
       section(say("goOn"),
+        ...(isFirst ? [] : [replay]),
         button("load", say("load"), () =>
           askForFile(".jsonl", (file) => this.#openFile(file)))),
     ); // prettier-ignore
@@ -593,7 +594,6 @@ class Page {
           contents.materials.findIndex((one) => one.name === opened.piece.material),
           (k) => this.#change(this.#object, contents.materials[k].name)),
         ...this.#ownControls(),
-        ...(isFirst ? [] : [replay]),
         button("fresh", say("fresh"), () => this.#change(this.#object, opened.piece.material)),
         button("own", say("ownObject"), () => askForFile(SUFFIXES.join(","), (file) => this.#openFile(file)))),
       section(say("water"),
@@ -992,7 +992,8 @@ class Page {
       for (const change of changes) this.#stage.follow(change);
       this.#stage.draw(this.#camera);
       if (changes.length > 0) {
-        void this.#ask("pictureShown");
+        const engine = this.#opened?.engine; // not by `#ask`: nothing is unkept until it has answered
+        engine?.call("pictureShown").catch((cause: unknown) => engine === this.#opened?.engine && this.fail(cause));
         this.#ahead.shown(this.#paintedToMs);
       }
       this.#ahead.draw();
