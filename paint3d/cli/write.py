@@ -185,10 +185,12 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
         help="columns from right to left, or rows (default: columns; with --font as its script is "
         "written)",
     )
-    where = place.add_mutually_exclusive_group()
-    add_at_option(where, "the text's")
-    where.add_argument(
-        "--around", action="store_true", help="spread the text evenly around the body"
+    add_at_option(place, "the text's")
+    place.add_argument(
+        "--around",
+        action="store_true",
+        help="spread the text evenly around the body, as columns or, with --layout row, as a row; "
+        "beside a handle it takes the free arc. --at says where its middle goes",
     )
     add_side_option(place)
     place.add_argument(
@@ -417,6 +419,7 @@ def signature_of(options: argparse.Namespace) -> Signature:
         raise InputError("--sign has no characters; expected a signature")
     asked.svg = asked.strokes = asked.at = None
     asked.around = False
+    asked.layout = asked.layout or "columns"
     cut = None
     if options.seal:
         from paint3d.calligraphy.fonts.fallback import with_fallback
@@ -542,7 +545,7 @@ def check_files(
 
 def planner(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[str, str]]:
     """What plans a page, or a text in characters that are known, and where these are from."""
-    from paint3d.calligraphy.glyph_sources import missing_glyphs, open_glyphs
+    from paint3d.calligraphy.glyph_sources import has_letters, missing_glyphs, open_glyphs
     from paint3d.calligraphy.writing import write_page, write_text
 
     with ProgressBar("looking", enabled=not options.quiet):
@@ -550,7 +553,7 @@ def planner(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[s
     if page is not None:
         return partial(write_page, composer=page), {}
     source = open_glyphs(options.glyphs)
-    if options.around or missing_glyphs(source, options.text):
+    if has_letters(options.text) or missing_glyphs(source, options.text):
         from paint3d.calligraphy.fonts.fallback import set_whole, with_fallback
 
         page = set_whole(source, options.text, options.layout, around=options.around)

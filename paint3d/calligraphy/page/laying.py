@@ -9,19 +9,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from paint3d.calligraphy.free_arc import FreeArc, Ring, in_the_way_error
 from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph
 from paint3d.calligraphy.layout import (
     Layout,
     WritingArea,
     find_writing_areas,
     frames_to_try,
+    start_around,
     upright_frame,
     walking_step,
     with_suggestion,
 )
 from paint3d.calligraphy.page.page import Composer, Page, Piece, bounds_of
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
@@ -35,6 +39,7 @@ _MOST_PLACES = 12
 _ROUNDING = 1e-6  # of a length
 _SHARED = 0.02  # of the em: corners of boxes that share this much more than on the page are apart
 _SEAM = 0.5  # ems between the end of a text and where it begins anew, all around a body: at least
+_MOST_MORE = 0.5 * EM_UNITS  # by which words are drawn apart along a free arc
 _FAR = 1.5  # times the room, which other heights may have more of: what is larger is not composed
 
 
@@ -104,7 +109,7 @@ def _lay_on_area(
     composed: Page | None = None  # in one line, or broken as little as was tried
     areas, layout = find_writing_areas(surface, layout)
     area = areas[0]  # of a couplet, the panel on the right
-    for n, frame in enumerate(_places(area, layout)):
+    for n, frame in enumerate(_places(area, layout, em_mm)):
         if n == most_places:
             break
         sheet = _Sheet(area, em_mm, layout, limits, frame)
@@ -125,10 +130,10 @@ def _lay_on_area(
     raise _too_large(surface, composed, em_mm, fault)
 
 
-def _places(area: WritingArea, layout: Layout) -> Iterator[SurfaceFrame]:
+def _places(area: WritingArea, layout: Layout, em_mm: float) -> Iterator[SurfaceFrame]:
     """Places where the page's middle may lie: the one asked for, or one after another."""
     if layout.is_placed or layout.around:
-        yield area.middle(layout)
+        yield start_around(area, layout, em_mm)
         return
     turned = bool(layout.turn) or area.apex is not None
     for frame in frames_to_try(area.surface, layout.side):
@@ -182,6 +187,11 @@ class _Sheet:
         self.too_small: MeshError | None = None  # why pages were not even composed
         self._climbs: dict[float, SurfaceLine] = {}
         self._levels: dict[tuple[float, float], SurfaceLine] = {}
+        self._rings: dict[float, Ring] = {}
+        self._free: dict[float, FreeArc | None] = {}
+        self._brush = limits
+        if layout.brush_mm is not None:
+            self._brush = replace(limits, room_mm=layout.brush_mm)
 
     def pages(self, composer: Composer) -> Iterator[Page]:
         """The text in one line, then broken to more and more, but for what is far too large.
@@ -218,6 +228,9 @@ class _Sheet:
         """Greatest length of a line of text, mm."""
         if composer.runs_down:
             return sum(self._climb(sign).length for sign in (1.0, -1.0))
+        with suppress(MeshError):
+            if self.layout.around and (arc := self._find_arc([0.0])) is not None:
+                return arc.length + self.em_mm
         right = self._level(0.0, 1.0)
         if right.closed:
             return right.length
@@ -231,13 +244,10 @@ class _Sheet:
         MeshError
             If the surface ends within the page, or a piece has no place on it.
         """
-        in_words = self.layout.around and all(piece.word is not None for piece in page.pieces)
-        if self.layout.around and not in_words:
-            page = self._spread_around(page)
         fault: MeshError | None = None
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
-                laid = self._ribbon(page, move * self.em_mm) if in_words else page
+                laid = self._arrange(page, move * self.em_mm)
                 placed = [self._lay_piece(piece, laid, move * self.em_mm) for piece in laid.pieces]
                 self._check_apart(laid, placed)
                 return placed
@@ -245,6 +255,94 @@ class _Sheet:
                 fault = fault or cause
         assert fault is not None
         raise fault
+
+    def _arrange(self, page: Page, move: float) -> Page:
+        """A page as it is laid; of one that goes around a body x is counted from the place."""
+        if not self.layout.around:
+            return page
+        arc = self._find_arc(self._heights(page, move))
+        if arc is not None:
+            return self._along(page, arc)
+        if all(piece.word is not None for piece in page.pieces):
+            return self._ribbon(page, move)
+        return self._spread_around(page)
+
+    def _heights(self, page: Page, move: float) -> list[float]:
+        """Middles of the lines of a page, mm above the place."""
+        _, lower, _, upper = page.bounds
+        middle = 0.5 * (lower + upper)
+        return sorted({round(self.scale * (one.at[1] - middle) + move, 6) for one in page.pieces})
+
+    def _find_arc(self, heights: Sequence[float]) -> FreeArc | None:
+        """The free arc for lines at such heights, mm; None where nothing is in the way."""
+        found = [self._arc_at(one) for one in heights]
+        arcs = [arc for arc in found if arc is not None]
+        if not arcs:
+            return None
+        start, end = max(arc.start for arc in arcs), min(arc.end for arc in arcs)
+        return replace(arcs[0], start=start, end=max(start, end))
+
+    def _arc_at(self, height: float) -> FreeArc | None:
+        if height not in self._free:
+
+            def is_free(point: AnyArray) -> bool:
+                try:
+                    frame = upright_frame(self.surface, point, self.up)
+                    lay_square(self.surface, frame, self.em_mm, self._brush)
+                except InputError:
+                    return False
+                return True
+
+            self._free[height] = self._ring_at(height).find_arc(
+                self._brush.room_mm, (0.0,), is_free,
+                placed=self.layout.is_placed, centred=self.layout.at is not None,
+            )  # fmt: skip
+        return self._free[height]
+
+    def _ring_at(self, height: float) -> Ring:
+        if height not in self._rings:
+            right, left = (self._level(height, sign) for sign in (1.0, -1.0))
+            self._rings[height] = Ring(self.surface, right, left, self.up.up, self.em_mm)
+        return self._rings[height]
+
+    def _along(self, page: Page, arc: FreeArc) -> Page:
+        """A page along a free arc: drawn out a little where there is room, and in its middle.
+
+        Words stay whole.
+
+        Raises
+        ------
+        MeshError
+            If it is longer than the arc.
+        """
+        left, _, right, _ = page.bounds
+        room = (arc.length + self.em_mm) / self.scale
+        if right - left > room * (1.0 + _ROUNDING):
+            raise in_the_way_error(
+                MeshError(
+                    "beside it {room:.0f} mm are free round {object}, and {width:.0f} mm are taken",
+                    room=self.scale * room,
+                    width=self.scale * (right - left),
+                    object=self.surface.mesh.name,
+                ),
+                arc.obstacle,
+            )
+        shifts: dict[tuple[int, int], float] = {}
+        widest = right - left
+        for line, words in _words_of(page).items():
+            start, _, end, _ = bounds_of(box for boxes in words.values() for box in boxes)
+            gaps = max(len(words) - 1, 1)
+            more = min((room - (end - start)) / gaps, _MOST_MORE) if len(words) > 1 else 0.0
+            for k, word in enumerate(_from_left(words)):
+                shifts[line, word] = more * (k - 0.5 * (len(words) - 1)) - 0.5 * (start + end)
+            widest = max(widest, end - start + more * (len(words) - 1))
+        near = 0.0 if self.layout.is_placed else None
+        middle = arc.middle_for(max(self.scale * widest - self.em_mm, 0.0), near) / self.scale
+        pieces = [
+            replace(piece, at=(middle + piece.at[0] + shifts[_word_of(piece, k)], piece.at[1]))
+            for k, piece in enumerate(page.pieces)
+        ]
+        return replace(page, pieces=tuple(pieces))
 
     def _check_apart(self, page: Page, placed: Sequence[PlacedPiece]) -> None:
         """Refuse pieces that lie on each other farther than they do on the page."""
@@ -273,7 +371,9 @@ class _Sheet:
         gap = self.layout.gap * EM_UNITS
         wanted = self._ring(0.0, right - left + gap)
         more = wanted / (right - left + gap)
-        pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
+        spread = [Piece(one.glyph, (more * one.at[0], one.at[1])) for one in page.pieces]
+        left, _, right, _ = bounds_of(one.box for one in spread)
+        pieces = [Piece(one.glyph, (one.at[0] - 0.5 * (left + right), one.at[1])) for one in spread]
         return replace(page, pieces=tuple(pieces))
 
     def _ribbon(self, page: Page, move: float) -> Page:
@@ -284,12 +384,11 @@ class _Sheet:
         """
         _, lower, _, upper = page.bounds
         seam = max(self.layout.gap, _SEAM) * EM_UNITS
-        lines: dict[int, dict[int, list[Box]]] = {}
+        lines = _words_of(page)
         rings: dict[int, float] = {}
         widths: dict[int, float] = {}
         for piece in page.pieces:
-            line, word = piece.word or (0, 0)
-            lines.setdefault(line, {}).setdefault(word, []).append(piece.box)
+            line, _ = piece.word or (0, 0)
             rings[line] = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
         for line, words in lines.items():
             left, _, right, _ = bounds_of(box for boxes in words.values() for box in boxes)
@@ -301,7 +400,7 @@ class _Sheet:
             more = (rings[line] / copies - widths[line] - seam) / len(words)
             starts = {word: bounds_of(boxes)[0] for word, boxes in words.items()}
             whole = widths[line] + more * (len(words) - 1)
-            for k, word in enumerate(sorted(starts, key=lambda word: starts[word])):
+            for k, word in enumerate(_from_left(words)):
                 shifts[line, word] = k * more - 0.5 * whole - min(starts.values())
         pieces = []
         for copy in range(copies):
@@ -312,21 +411,14 @@ class _Sheet:
         return replace(page, pieces=tuple(pieces))
 
     def _ring(self, height: float, least: float) -> float:
-        """Length of the level line so many mm above the middle, glyph units, if it is closed.
+        """Length of the level line so many mm above the middle, glyph units.
 
         Raises
         ------
         MeshError
             If it does not come back to its start, or is shorter than `least`, glyph units.
         """
-        ring = self._level(round(height, 6), 1.0)
-        if not ring.closed:
-            raise MeshError(
-                "{object}: the level line of the place does not come back to its start; expected a "
-                "body that can be written around",
-                object=self.surface.mesh.name,
-                hint="where it lies on its side, --up says which axis of the file points up",
-            )
+        ring = self._ring_at(round(height, 6))
         wanted = ring.length / self.scale
         if least > wanted * (1.0 + _ROUNDING):
             raise MeshError(
@@ -339,20 +431,25 @@ class _Sheet:
 
     def _lay_piece(self, piece: Piece, page: Page, move: float) -> PlacedPiece:
         left, lower, right, upper = page.bounds
-        in_ribbon = self.layout.around and piece.word is not None
-        x = self.scale * (piece.at[0] - (0.0 if in_ribbon else 0.5 * (left + right)))
+        x = self.scale * (piece.at[0] - (0.0 if self.layout.around else 0.5 * (left + right)))
         y = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
-        level = self._level(round(y, 6), 1.0)
-        if not level.closed and x < 0.0:
-            level, x = self._level(round(y, 6), -1.0), -x
-        too_wide = not in_ribbon and self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
-        if too_wide if level.closed else x > level.length:
-            raise self._line_ends()
-        frame = upright_frame(self.surface, level.at(x), self.up)
+        frame = upright_frame(self.surface, self._point_at(x, round(y, 6), right - left), self.up)
         box = piece.glyph.box
         size = self.scale * (box[2] - box[0]), self.scale * (box[3] - box[1])
         square = lay_square(self.surface, frame, self.em_mm, self.limits, size)
         return PlacedPiece(piece.glyph, square)
+
+    def _point_at(self, x: float, height: float, width: float) -> AnyArray:
+        """The point (3,) so many mm right of the place and above it, of a page of a width."""
+        if self.layout.around:
+            return self._ring_at(height).at(x)
+        level = self._level(height, 1.0)
+        if not level.closed and x < 0.0:
+            level, x = self._level(height, -1.0), -x
+        too_wide = self.scale * width > level.length * (1.0 + _ROUNDING)
+        if too_wide if level.closed else x > level.length:
+            raise self._line_ends()
+        return level.at(x)
 
     def _level(self, height: float, sign: float) -> SurfaceLine:
         """The level line to the right, or with -1 to the left, so many mm above the middle."""
@@ -372,3 +469,20 @@ class _Sheet:
 
     def _walk(self, start: SurfaceFrame, bearing: tuple[float, float]) -> SurfaceLine:
         return walk(self.surface, start, self.up, bearing, None, walking_step(self.em_mm))
+
+
+def _words_of(page: Page) -> dict[int, dict[int, list[Box]]]:
+    """The boxes of a page's pieces by line and word; what is no word is one by itself."""
+    lines: dict[int, dict[int, list[Box]]] = {}
+    for k, piece in enumerate(page.pieces):
+        line, word = _word_of(piece, k)
+        lines.setdefault(line, {}).setdefault(word, []).append(piece.box)
+    return lines
+
+
+def _word_of(piece: Piece, k: int) -> tuple[int, int]:
+    return (0, k) if piece.word is None else piece.word
+
+
+def _from_left(words: dict[int, list[Box]]) -> list[int]:
+    return sorted(words, key=lambda word: bounds_of(words[word])[0])
