@@ -163,7 +163,7 @@ class Ring:
         centred : bool
             Only as much of that as has where the line begins in its middle.
         """
-        crowded = np.any([self._crowded(room_mm, one) for one in heights], axis=0)
+        crowded = np.any([self.crowded(room_mm, one) for one in heights], axis=0)
         arcs = self._arcs(crowded, is_free)
         if not arcs:
             return None
@@ -172,7 +172,7 @@ class Ring:
         nearest = min(arcs, key=lambda arc: max(arc.start, -arc.end, 0.0))
         return nearest.around(0.0) if centred else nearest
 
-    def _crowded(self, room_mm: float, height: float) -> NDArray[np.bool_]:
+    def crowded(self, room_mm: float, height: float = 0.0) -> NDArray[np.bool_]:
         """At which stations (N,) something else is near a brush that stands there.
 
         So many mm above the line, and half an em above and below that.

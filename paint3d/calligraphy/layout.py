@@ -531,10 +531,12 @@ def _too_long_error(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
     )
 
 
-def start_around(area: WritingArea, layout: Layout, em_mm: float) -> SurfaceFrame:
+def start_around(
+    area: WritingArea, layout: Layout, em_mm: float, height: float = 0.5
+) -> SurfaceFrame:
     """The frame where a text's middle goes, or where the line begins that it goes round a body on.
 
-    That is at the front, but where a handle stands before that.
+    That is at the front, but where a handle stands before that; so high from 0 to 1.
 
     Raises
     ------
@@ -546,7 +548,7 @@ def start_around(area: WritingArea, layout: Layout, em_mm: float) -> SurfaceFram
     first: SurfaceFrame | None = None
     for u in _TURNS:
         try:
-            found = area.middle(replace(layout, at=(u, _MIDDLE[1])))
+            found = area.middle(replace(layout, at=(u, height)))
         except MeshError:
             continue
         first = first or found

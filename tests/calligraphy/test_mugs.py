@@ -3,6 +3,7 @@
 import itertools
 import re
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,8 @@ from paint3d.calligraphy.fonts.shaping import Style
 from paint3d.calligraphy.fonts.typesetting import set_text
 from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.page.laying import lay_page
+from paint3d.cli.info import info_lines
+from paint3d.cli.write import say_if_hidden
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
@@ -143,3 +146,27 @@ def test_between_handle_and_spout_a_text_has_one_side_of_a_teapot():
     assert turns.mean() == pytest.approx(0.5, abs=0.02)
     with pytest.raises(InputError, match=r"a part of the object \(at 0\.[27]\d,0\.50\)"):
         layout_text(surface, "山高水長" * 2, 24.0, Layout("row", around=True), LIMITS)
+
+
+def test_where_a_handle_is_in_the_way_is_said_of_the_object():
+    (told,) = [line for line in info_lines(ClosestPoints(make_mug(0.0))) if "in the way" in line]
+    first, last = map(float, re.findall(r"0\.\d\d", told)[:2])
+    assert 0.64 < first < 0.71
+    assert 0.79 < last < 0.86
+    assert (
+        len([one for one in info_lines(ClosestPoints(make_teapot())) if "in the way" in one]) == 2
+    )
+    vase = ClosestPoints(load_mesh("vase"))
+    assert not [line for line in info_lines(vase) if "in the way" in line]
+
+
+def test_a_row_that_goes_out_of_sight_is_said(caplog):
+    surface = SimpleNamespace(source=make_mug(0.0))
+    for text, notes in (("山高水長", 1), ("山高", 0)):
+        squares, _ = laid(90.0, 24.0, "row", text)
+        written = SimpleNamespace(placed=[SimpleNamespace(square=one) for one in squares])
+        caplog.clear()
+        say_if_hidden(written, surface)
+        assert len(caplog.records) == notes
+        if notes:
+            assert re.search(r"9\d of 2[56]\d mm round: .* about 8\d", caplog.text)
