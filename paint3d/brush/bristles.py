@@ -63,8 +63,8 @@ def energy_shapes(table: BendingTable) -> tuple[AnyArray, AnyArray]:
     below = np.clip(np.searchsorted(joints, ARCS, side="right") - 1, 0, len(joints) - 2)
     t = (ARCS - joints[below]) / np.diff(joints)[below]
     shapes = [(1.0 - t) * values[..., below] + t * values[..., below + 1] for values in table.spine]
-    fans = np.zeros((*table.angles.shape[:2], 2), np.float32)
-    return np.ascontiguousarray(np.concatenate(shapes, axis=-1), np.float32), fans
+    spreads = np.zeros((*table.angles.shape[:2], 2), np.float32)
+    return np.ascontiguousarray(np.concatenate(shapes, axis=-1), np.float32), spreads
 
 
 def measured_shapes(
@@ -85,7 +85,7 @@ def measured_shapes(
         between heights, and held beyond the first and the last.
     """
     shapes = np.empty((len(tilts), len(fractions), 3 * SAMPLES), np.float32)
-    fans = np.empty((len(tilts), len(fractions), 2), np.float32)
+    spreads = np.empty((len(tilts), len(fractions), 2), np.float32)
     angles = sorted({row[0] for row in rows})
     for i, tilt in enumerate(tilts):
         angle = min(max(90.0 - math.degrees(tilt), angles[0]), angles[-1])
@@ -97,8 +97,8 @@ def measured_shapes(
             offset, imprint, upper, lower, fan = (1.0 - lean) * upright + lean * leaning
             height = math.sin(tilt) * (1.0 - fraction)
             shapes[i, k] = _bezier_hair(tilt, height, offset, upper, lower)
-            fans[i, k] = math.radians(0.5 * fan), imprint
-    return shapes, fans
+            spreads[i, k] = math.radians(0.5 * fan), imprint
+    return shapes, spreads
 
 
 def _measured_at(rows: ShapeRows, angle: float, height: float) -> AnyArray:
@@ -169,10 +169,10 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
     """
     table = bending_table(float(spec.stiffness_exponent), spec.segmentation)
     if hairs.table == "energy":
-        shapes, fans = energy_shapes(table)
+        shapes, spreads = energy_shapes(table)
     else:
         rows = MEASURED if isinstance(hairs.table, str) else hairs.table
-        shapes, fans = measured_shapes(table.tilts, table.fractions, rows)
+        shapes, spreads = measured_shapes(table.tilts, table.fractions, rows)
     n, noise = hairs.n_hairs, _noise()
     radius = 0.5 * hairs.hair_mm
     padded = np.minimum(np.arange(-(-n // BLOCK) * BLOCK), n - 1).reshape(-1, BLOCK)
@@ -184,7 +184,7 @@ def build_bristles(spec: BrushSpec, hairs: BristleSpec) -> Bristles:
         lengths=np.ascontiguousarray(lengths[padded]),
         rests=_rest_lengths(spec, places, lengths[padded]),
         shapes=shapes,
-        fans=fans,
+        fans=spreads,
         clumps=np.stack([_clump_middles(count) for count in _CLUMPS]),
         appetite=(1.0 + hairs.appetite * noise / np.abs(noise).max()).astype(np.float32),
         retention=(np.argsort(np.argsort(noise)) / (_CELLS - 1.0)).astype(np.float32),

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.kernels import planning as kernels
-from paint3d.calligraphy.polyline import resample, signed_area
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import headings_of, resample, signed_area
 from paint3d.errors import InputError
 
 __all__ = [
@@ -192,8 +192,7 @@ def smooth_along(points: AnyArray, sigma: float) -> NDArray[np.float64]:
 
 
 def _headings(points: AnyArray) -> NDArray[np.float64]:
-    ahead = np.gradient(points, axis=0)
-    return np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+    return headings_of(np.gradient(points, axis=0))
 
 
 def _normals(headings: AnyArray) -> NDArray[np.float64]:

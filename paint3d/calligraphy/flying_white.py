@@ -3,7 +3,7 @@
 A brush that runs dry touches only what stands out of a surface's grain (docs/model.md, equation
 (13)). What share of its footprint that is depends on the level λ alone: its load over the one at
 which it begins to skip, g (0.8 - 0.4 pe) of a dip on a material of grain g. So a share that shall
-stay bare gives λ, by a table, and with the planned pressure the load. The recording's header tells
+stay bare gives λ, by a table, and with the planned pressure the load. The recording's header says
 it (``loads``) wherever it changes: how much is bare, and where along the stroke; not which streak.
 """
 
@@ -22,6 +22,7 @@ from paint3d.calligraphy.planning import on_paper
 from paint3d.calligraphy.timing import Motion
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import resample_to, unit_vectors
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
 
@@ -59,9 +60,10 @@ _SKIPS_AT, _PRESSED = 0.8, 0.4  # of a dip, on grain 1: model.md, 5; less by so 
 _DRIEST = 0.97  # share left bare, that a stroke is painted with at the most
 _WET = 0.03  # share left bare, below which ink is as full as it comes
 _FULLNESS = 3.0  # of a dip: streaks of a brush that is nearly dry are as black as wet ink
-_NEXT = 0.04  # of itself, or of a tenth of a dip: by how much a load must differ to be told anew
+_NEXT = 0.04  # of itself, or of a tenth of a dip: by how much a load must differ to be written anew
 _MOST_CHANGES = 1500  # loads in a header, whose line has no more room
 _DECIMALS = 4
+_PLACES = 400  # of a line, of which each point has its nearest
 
 
 def stations_of_motion(
@@ -85,8 +87,7 @@ def stations_of_motion(
     station = np.full(len(motion.time_s), np.nan)
     depth = np.clip(-motion.height, footprints.descents[0], footprints.descents[-1])
     ahead = np.interp(depth, footprints.descents, footprints.centroids)
-    bend = np.stack([np.cos(motion.azimuth), np.sin(motion.azimuth)], axis=1)
-    middle = motion.handle + ahead[:, None] * bend
+    middle = motion.handle + ahead[:, None] * unit_vectors(motion.azimuth)
     first = 0
     for k, stroke in enumerate(glyph.strokes):
         mine, n = np.flatnonzero(motion.stroke == k), len(stroke.dryness)
@@ -108,17 +109,14 @@ def _station_along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
 
     A stroke may cross itself: each point is looked for near the one before.
     """
-    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    way = np.concatenate([[0.0], np.cumsum(steps)])
-    fine = np.linspace(0.0, way[-1], 400)
-    places = np.column_stack([np.interp(fine, way, line[:, k]) for k in (0, 1)])
+    places = resample_to(line, _PLACES)
     at = np.empty(len(points))
     last = 0
     for k, point in enumerate(points):
-        first, end = max(0, last - 20), min(len(fine), last + 60)
+        first, end = max(0, last - 20), min(_PLACES, last + 60)
         off = np.linalg.norm(places[first:end] - point, axis=1)
         last = first + int(np.argmin(off))
-        at[k] = last / (len(fine) - 1)
+        at[k] = last / (_PLACES - 1)
     return np.maximum.accumulate(at)
 
 
@@ -167,7 +165,7 @@ def loads_for(dryness: AnyArray, pressure: AnyArray, grain: float) -> NDArray[np
 
 
 def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording:
-    """A recording whose header tells with how much water strokes are written (``strengths``).
+    """A recording whose header says with how much water strokes are written (``strengths``).
 
     Of a film that scatters little the density -log10 of the light grows as the ink in it does
     (Beer and Lambert); see `diluted`.
@@ -212,7 +210,7 @@ def diluted(strength: AnyArray) -> NDArray[np.float64]:
 
 
 def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> Recording:
-    """A recording whose header tells the brush's load wherever it changes.
+    """A recording whose header has the brush's load wherever it changes.
 
     Parameters
     ----------

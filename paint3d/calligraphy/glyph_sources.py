@@ -90,11 +90,11 @@ class KanjiVGLines:
 
     def load(self, text: str) -> Glyph:
         """Read a character's lines and give them outlines."""
-        return _shaped(self.folder, text)
+        return _shape_glyph(self.folder, text)
 
 
 @lru_cache(maxsize=1024)  # a text is laid anew each time that it is moved; about 20 ms each
-def _shaped(folder: Path, text: str) -> Glyph:
+def _shape_glyph(folder: Path, text: str) -> Glyph:
     return Glyph(text, tuple(shape_strokes(load_lines(folder, text), repr(text))))
 
 

@@ -8,16 +8,16 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.polyline import bezier_points
-from paint3d.core.arrays import as_array
+from paint3d.core.arrays import AnyArray, as_array
+from paint3d.core.polyline import bezier_points
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -136,6 +136,21 @@ class GlyphStroke:
 
         area = shapely.Polygon(self.outline, self.holes)
         return area if area.is_valid else area.buffer(0.0)
+
+    @classmethod
+    def filling(
+        cls, region: Polygon, median: AnyArray, dryness: Sequence[float] = (), strength: float = 1.0
+    ) -> GlyphStroke:
+        """The stroke along a line (M, 2) that fills a region."""
+        outer, *holes = (
+            np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)
+        )
+        return cls(outer, median, tuple(holes), tuple(dryness), strength)
+
+    def mapped(self, change: Callable[[AnyArray], AnyArray]) -> GlyphStroke:
+        """The stroke with all its points (N, 2) changed."""
+        holes = tuple(change(hole) for hole in self.holes)
+        return replace(self, outline=change(self.outline), median=change(self.median), holes=holes)
 
 
 @dataclass(frozen=True, eq=False)

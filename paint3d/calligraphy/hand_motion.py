@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.brush_engine.tuft import Tuft
-from paint3d.calligraphy.timing import Motion, Tempo, minimum_jerk
+from paint3d.calligraphy.timing import Motion, Tempo, ease_between, minimum_jerk
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import unit_vectors
 from paint3d.core.quaternion import quaternions_from_matrices, rotate, slerp
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceChart
@@ -74,8 +75,7 @@ def to_hand_motion(
     """
     xy = motion.handle - (0.5 * em_mm if middle is None else middle)
     frames = chart.tangents(xy)
-    bend = np.stack([np.cos(motion.azimuth), np.sin(motion.azimuth)], axis=1)
-    x = np.einsum("nij,nj->ni", frames[:, :, :2], bend)
+    x = np.einsum("nij,nj->ni", frames[:, :, :2], unit_vectors(motion.azimuth))
     z = frames[:, :, 2]
     root = tuft.length + motion.height
     return HandMotion(
@@ -158,7 +158,7 @@ def _move_seconds(
 
 def _arc(first: AnyArray, last: AnyArray, rise: AnyArray, t: AnyArray) -> AnyArray:
     bump = 64.0 * (t * (1.0 - t)) ** 3
-    result: AnyArray = first + minimum_jerk(t)[:, None] * (last - first) + bump[:, None] * rise
+    result: AnyArray = ease_between(first, last, t) + bump[:, None] * rise
     return result
 
 

@@ -21,6 +21,7 @@ from paint3d.brush_engine.tuft import drag_along, hold_along
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, headings_of, unit_vectors
 
 __all__ = ["TRIALS", "DraggedPath", "Lead", "pull", "refine_pull"]
 
@@ -123,11 +124,10 @@ def _fit_levels(path: DraggedPath, light: NDArray[np.bool_], lead: Lead) -> NDAr
 def _light_poses(wanted: AnyArray, slack: float) -> NDArray[np.bool_]:
     """Samples (N,) where only the tip touches: as the brush lands, and at reversals of the line."""
     steps = np.diff(wanted, axis=0)
-    length = np.linalg.norm(steps, axis=1)
-    way = np.r_[0.0, np.cumsum(length)]
-    light = way < _SETTLING * slack
-    per_slack = max(1, round(_SETTLING * slack / max(float(length.mean()), 1e-12)))
-    heading = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+    light = arc_lengths(wanted) < _SETTLING * slack
+    step = float(np.linalg.norm(steps, axis=1).mean())
+    per_slack = max(1, round(_SETTLING * slack / max(step, 1e-12)))
+    heading = headings_of(steps)
     heading = np.r_[heading, heading[-1]]
     size = 2 * per_slack + 1
     turn = maximum_filter1d(heading, size, mode="nearest")
@@ -154,14 +154,13 @@ def _lay_poses(
     """Poses of footprints by the laws, and their centres (N, 2), mm, if their tips were free."""
     footprints = lead.footprints
     bend = _follow(handle, footprints.slack_at(level), lead.start)
-    bent = np.unwrap(np.arctan2(bend[:, 1], bend[:, 0]))
+    bent = headings_of(bend)
     heel, length = footprints.heel_at(level), footprints.length_at(level)
     held = np.empty_like(handle)
     hold_along(handle, bent, footprints.descent_at(level), heel, length, held)
     azimuth, share = bent + held[:, 0], 1.0 - held[:, 1] / length
     middle, under = footprints.centroid_at(level) - heel, handle + heel[:, None] * bend
-    turned = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
-    centre = under + (middle * share)[:, None] * turned
+    centre = under + (middle * share)[:, None] * unit_vectors(azimuth)
     return DraggedPath(handle, azimuth, centre, level, share), under + middle[:, None] * bend
 
 

@@ -41,6 +41,7 @@ __all__ = [
     "MOST_EM_MM",
     "Layout",
     "PlacedCharacter",
+    "TextPlace",
     "WritingArea",
     "find_writing_areas",
     "frames_to_try",
@@ -485,20 +486,20 @@ def with_suggestion(
     if smaller is None and other is None:
         return fault
     if other is None:
-        told = Message(
+        message = Message(
             "{cause}; a size of {smaller:g} mm would fit", cause=fault.message, smaller=smaller
         )
     elif smaller is None:
         return with_place(fault, *other)
     else:
-        told = Message(
+        message = Message(
             "{cause}; a size of {smaller:g} mm would fit, and this size at {u:g},{v:g}",
             cause=fault.message,
             smaller=smaller,
             u=other[0],
             v=other[1],
         )
-    return type(fault)(told, hint=fault.hint)
+    return type(fault)(message, hint=fault.hint)
 
 
 def with_place(fault: InputError, u: float, v: float) -> InputError:
@@ -563,34 +564,64 @@ def start_around(
     return first or area.middle(layout)
 
 
-class _Grid:
+@dataclass(eq=False)
+class TextPlace:
+    """A place of a surface that text is laid around, and the lines that go from there."""
+
+    area: WritingArea
+    em_mm: float
+    layout: Layout
+    limits: SquareLimits
+    middle: SurfaceFrame
+    most_mm: float | None = None  # how far lines are followed
+
+    def __post_init__(self) -> None:
+        self.surface = self.area.surface
+        self.up = self.area.upright(self.middle.normal, self.layout)
+        self._climbs: dict[float, SurfaceLine] = {}
+        self.free: dict[float, FreeArc | None] = {}  # arcs for a text around, once found
+        self.for_brush = self.limits
+        if self.layout.brush_mm is not None:
+            self.for_brush = replace(self.limits, room_mm=self.layout.brush_mm)
+
+    def frame(self, point: AnyArray) -> SurfaceFrame:
+        """The upright frame at a point (3,); MeshError where the surface lies level."""
+        return upright_frame(self.surface, point, self.up)
+
+    def walk(
+        self, start: SurfaceFrame, bearing: tuple[float, float], most: float | None = None
+    ) -> SurfaceLine:
+        """The line from a frame in a direction, to the right and up, no longer than `most` mm."""
+        most = self.most_mm if most is None else most
+        return walk(self.surface, start, self.up, bearing, most, walking_step(self.em_mm))
+
+    def climb(self, sign: float) -> SurfaceLine:
+        """The line straight up from the middle, or with -1 straight down."""
+        if sign not in self._climbs:
+            self._climbs[sign] = self.walk(self.middle, (0.0, sign))
+        return self._climbs[sign]
+
+    def surface_ends_error(self) -> MeshError:
+        """Error for a text that goes on beyond the surface."""
+        return MeshError(
+            "{object}: the surface ends within the text", object=self.surface.mesh.name
+        )
+
+
+class _Grid(TextPlace):
     """The grid of squares around one place of a surface."""
 
-    def __init__(
-        self,
-        area: WritingArea,
-        em_mm: float,
-        layout: Layout,
-        limits: SquareLimits,
-        middle: SurfaceFrame,
-    ) -> None:
-        self.area, self.surface = area, (surface := area.surface)
-        self.em_mm, self.layout, self.limits = em_mm, layout, limits
-        self.middle = middle
-        self._climbed: dict[float, SurfaceLine] = {}
-        self.up = area.upright(middle.normal, layout)
-        self.right = self._walk(self.middle, (1.0, 0.0), None)
-        self.left = self._walk(self.middle, (-1.0, 0.0), None)
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.most_mm, layout = _FARTHEST * self.em_mm, self.layout
+        self.right = self.walk(self.middle, (1.0, 0.0))
+        self.left = self.walk(self.middle, (-1.0, 0.0))
         self.ring: Ring | None = None
         if layout.around:
-            self.ring = Ring(surface, self.right, self.left, self.up.up, em_mm)
-        self._brush = (
-            limits if layout.brush_mm is None else replace(limits, room_mm=layout.brush_mm)
-        )
-        self._free: dict[float, FreeArc | None] = {}
+            self.ring = Ring(self.surface, self.right, self.left, self.up.up, self.em_mm)
         gaps = (layout.gap, layout.between)
         gaps = gaps if layout.order == "columns" else gaps[::-1]
-        self.pitch = em_mm * (1.0 + np.array(gaps))
+        self.pitch = self.em_mm * (1.0 + np.array(gaps))
         self._loose = math.inf if layout.around else 1.0
         self._start = self._first_usable()
 
@@ -604,14 +635,14 @@ class _Grid:
         if self.ring is None:
             return None
         key = round(block, 3)
-        if key not in self._free:
+        if key not in self.free:
             top = self._top(block)
             heights = np.linspace(top - block, top, 1 + math.ceil(block / self.em_mm)).tolist()
-            self._free[key] = self.ring.find_arc(
-                self._brush.room_mm, heights, partial(self._is_free, heights=heights),
+            self.free[key] = self.ring.find_arc(
+                self.for_brush.room_mm, heights, partial(self._is_free, heights=heights),
                 placed=self.layout.is_placed, centred=self.layout.at is not None,
             )  # fmt: skip
-        return self._free[key]
+        return self.free[key]
 
     def in_the_way_error(self, fault: InputError, arc: FreeArc, lines: Sequence[str]) -> InputError:
         """A fault with what is in the way, and with a place that would do where one was asked."""
@@ -619,7 +650,7 @@ class _Grid:
         if self.ring is None or self.layout.at is None:
             return found
         free = self.ring.find_arc(
-            self._brush.room_mm, (0.0,), partial(self._is_free, heights=(0.0,))
+            self.for_brush.room_mm, (0.0,), partial(self._is_free, heights=(0.0,))
         )
         if free is None:
             return found
@@ -635,11 +666,11 @@ class _Grid:
 
     def _is_free(self, point: AnyArray, heights: Sequence[float]) -> bool:
         """Return whether squares can be laid so many mm above a point, for the usual brush."""
-        frame = self._frame(point)
+        frame = self.frame(point)
         try:
             for height in heights:
-                line = self._walk(frame, (0.0, math.copysign(1.0, height)), abs(height))
-                self._lay(line.at(abs(height)), self._brush)
+                line = self.walk(frame, (0.0, math.copysign(1.0, height)), abs(height))
+                self._lay(line.at(abs(height)), self.for_brush)
         except InputError:
             return False
         return True
@@ -660,7 +691,7 @@ class _Grid:
         fault: MeshError | None = None
         for away in (0.25 * self.em_mm * np.arange(7)).tolist():
             for sign in (1.0, -1.0):
-                line = self._climb(sign)
+                line = self.climb(sign)
                 reached = away if line.reaches(away) else line.length
                 try:
                     self._square(line.at(reached))
@@ -672,7 +703,7 @@ class _Grid:
 
     def _reach(self, start: float, sign: float) -> float:
         """Farthest place (mm up from the middle) where a square can lie, to a 40th of the em."""
-        line = self._climb(sign)
+        line = self.climb(sign)
         known, step = start, 0.5 * self.em_mm
         while step > self.em_mm / 50.0:
             distance = sign * known + step
@@ -693,22 +724,7 @@ class _Grid:
         return self._lay(point, self.limits)
 
     def _lay(self, point: AnyArray, limits: SquareLimits) -> EmSquare:
-        return lay_square(self.surface, self._frame(point), self.em_mm, limits)
-
-    def _frame(self, point: AnyArray) -> SurfaceFrame:
-        return upright_frame(self.surface, point, self.up)
-
-    def _climb(self, sign: float) -> SurfaceLine:
-        """The line straight up from the middle, or with -1 straight down."""
-        if sign not in self._climbed:
-            self._climbed[sign] = self._walk(self.middle, (0.0, sign), None)
-        return self._climbed[sign]
-
-    def _walk(
-        self, start: SurfaceFrame, bearing: tuple[float, float], most: float | None
-    ) -> SurfaceLine:
-        most = _FARTHEST * self.em_mm if most is None else most
-        return walk(self.surface, start, self.up, bearing, most, walking_step(self.em_mm))
+        return lay_square(self.surface, self.frame(point), self.em_mm, limits)
 
     def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
         """Return whether so many squares fit, across and down, by the middle lines alone."""
@@ -841,31 +857,25 @@ class _Grid:
             line = lines[cell.across][0 if height >= 0.0 else 1]
             away = abs(height)
             if not line.reaches(away - _TOUCHING * self.em_mm):
-                raise MeshError(
-                    "{object}: the surface ends within the text",
-                    object=self.surface.mesh.name,
-                )
+                raise self.surface_ends_error()
             squares.append(self._square(line.at(away if line.reaches(away) else line.length)))
         return squares
 
     def _column(self, across: float, top: float, bottom: float) -> tuple[SurfaceLine, SurfaceLine]:
         """The lines up and down from the place so many mm to the right of the middle."""
         if self.ring is not None:
-            frame = self._frame(self.ring.at(across))
-            up = self._walk(frame, (0.0, 1.0), max(top, 0.0))
-            return up, self._walk(frame, (0.0, -1.0), max(-bottom, 0.0))
+            frame = self.frame(self.ring.at(across))
+            up = self.walk(frame, (0.0, 1.0), max(top, 0.0))
+            return up, self.walk(frame, (0.0, -1.0), max(-bottom, 0.0))
         if across >= 0.0 or self.right.closed:
             level, distance = self.right, across
         else:
             level, distance = self.left, -across
         if not level.reaches(distance) and not level.closed:
-            raise MeshError(
-                "{object}: the surface ends within the text",
-                object=self.surface.mesh.name,
-            )
-        frame = self._frame(level.at(distance))
-        up = self._walk(frame, (0.0, 1.0), max(top, 0.0))
-        return up, self._walk(frame, (0.0, -1.0), max(-bottom, 0.0))
+            raise self.surface_ends_error()
+        frame = self.frame(level.at(distance))
+        up = self.walk(frame, (0.0, 1.0), max(top, 0.0))
+        return up, self.walk(frame, (0.0, -1.0), max(-bottom, 0.0))
 
     def _top(self, block: float) -> float:
         """Height (mm up from the middle) of the first row; the block is moved until it fits."""
@@ -887,7 +897,7 @@ class _Grid:
     def _overlaps(self, cells: Sequence[_Cell], squares: Sequence[EmSquare], wide: int) -> AnyArray:
         """The largest overlaps (mm) of neighbours in a row or diagonally, and in a column."""
         at = {(c.across, c.down): square for c, square in zip(cells, squares, strict=True)}
-        goes_round = self.ring is not None and not any(self._free.values())
+        goes_round = self.ring is not None and not any(self.free.values())
         worst = np.zeros(2)
         for (across, down), square in at.items():
             right = (across + 1) % wide if goes_round else across + 1

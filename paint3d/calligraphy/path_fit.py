@@ -18,8 +18,8 @@ from paint3d.calligraphy.centre_line import CentreLine, OutlineField, smooth_alo
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.calligraphy.lag_compensation import TRIALS, DraggedPath, Lead, pull, refine_pull
-from paint3d.calligraphy.polyline import arc_lengths
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, interpolate, unit_vectors
 from paint3d.errors import InputError
 
 __all__ = ["TECHNIQUES", "FittedLine", "PathFitter", "PlanSettings", "StrokePath"]
@@ -204,15 +204,15 @@ class PathFitter:
             return None, self.field.inside
         centre, azimuth, level = led
         if self.settings.azimuth == "dragged":
-            lead = self._lead(centre, azimuth, _smooth_levels(level))
+            lead = self._make_lead(centre, azimuth, _smooth_levels(level))
             path = _add_touch_and_lift(*pull(lead), self.footprints)
         else:
             level = _smooth_levels(level)
-            bend = np.stack([np.cos(azimuth), np.sin(azimuth)], axis=1)
-            handle = centre - self.footprints.centroid_at(level)[:, None] * bend
+            reach = self.footprints.centroid_at(level)
+            handle = centre - reach[:, None] * unit_vectors(azimuth)
             whole = np.ones(len(level))
             path = _add_touch_and_lift(handle, azimuth, centre, level, whole, self.footprints)
-        return path, self.field.inside & ~self._painted(path)
+        return path, self.field.inside & ~self._painted_mask(path)
 
     def _fit_footprints(
         self, line: CentreLine, azimuth: AnyArray, shift: AnyArray
@@ -225,11 +225,11 @@ class PathFitter:
         kept = np.flatnonzero(level >= 0.0)
         return None if len(kept) < 2 else (centre[kept], azimuth[kept], level[kept])
 
-    def _lead(self, centre: AnyArray, azimuth: AnyArray, level: AnyArray) -> Lead:
+    def _make_lead(self, centre: AnyArray, azimuth: AnyArray, level: AnyArray) -> Lead:
         start = float(azimuth[0]) if self.start is None else self.start
         return Lead(centre, self.footprints, self.target, start, level)
 
-    def _painted(self, path: StrokePath) -> NDArray[np.bool_]:
+    def _painted_mask(self, path: StrokePath) -> NDArray[np.bool_]:
         """Mask of what a path covers (H, W), on the outline's grid."""
         painted = np.zeros(self.field.distance.shape, np.bool_)
         kernels.cover(
@@ -243,17 +243,17 @@ class PathFitter:
         led = self._fit_footprints(best.line, best.chosen[:, 0], best.shift)
         if led is None or best.path is None or self.settings.azimuth != "dragged":
             return best
-        lead, path, inside = self._lead(*led), best.path, self.field.inside
+        lead, path, inside = self._make_lead(*led), best.path, self.field.inside
         values = (path.handle, path.azimuth, path.centre, path.level, path.share)
         found = DraggedPath(*(value[1:-1] for value in values))  # without its touch and its lift
-        least = int((self._painted(path) ^ inside).sum())
+        least = int((self._painted_mask(path) ^ inside).sum())
         for trial in range(TRIALS):
             for one in refine_pull(lead, found, trial):
                 tried = _add_touch_and_lift(*one, self.footprints)
-                wrong = int((self._painted(tried) ^ inside).sum())
+                wrong = int((self._painted_mask(tried) ^ inside).sum())
                 if wrong < least:
                     found, path, least = one, tried, wrong
-        return replace(best, path=path, bare=inside & ~self._painted(path))
+        return replace(best, path=path, bare=inside & ~self._painted_mask(path))
 
 
 def _rate(line: CentreLine, fitter: PathFitter, known: FittedLine | None) -> NDArray[np.float64]:
@@ -262,14 +262,14 @@ def _rate(line: CentreLine, fitter: PathFitter, known: FittedLine | None) -> NDA
     gap = np.empty((len(line.points), fitter.settings.n_directions, len(shifts)))
     new = slice(None)
     if known is not None:
-        new = _copy_known(gap, known.gap, _samples(line), _samples(known.line))
+        new = _copy_known(gap, known.gap, _sample_values(line), _sample_values(known.line))
     sparse = np.ascontiguousarray(fitter.footprints.points[:, ::2])  # directions are only compared
     target = fitter.target._replace(points=sparse)
     kernels.rate(target, line.points[new], line.headings[new], line.room[new], shifts, gap[new])
     return gap
 
 
-def _samples(line: CentreLine) -> NDArray[np.float64]:
+def _sample_values(line: CentreLine) -> NDArray[np.float64]:
     """Values that a footprint's fit depends on at every sample of a line (S, 6)."""
     return np.concatenate([line.points, line.normals, line.room], axis=1)
 
@@ -328,7 +328,7 @@ def _balance(
     new = slice(None)
     if known is not None:
         mine, theirs = (
-            np.concatenate([_samples(one), path], axis=1)
+            np.concatenate([_sample_values(one), path], axis=1)
             for one, path in ((line, chosen), (known.line, known.chosen))
         )
         new = _copy_known(shift, known.shift, mine, theirs)
@@ -346,9 +346,8 @@ def _smooth_path(
     centre = line.points + shift[:, None] * line.normals
     way = arc_lengths(centre)
     at = np.linspace(0.0, way[-1], max(8, math.ceil(way[-1] / step)) + 1)
-    dense = [np.interp(at, way, values) for values in (centre[:, 0], centre[:, 1], azimuth)]
-    sigma = line.step / step
-    smooth = smooth_along(np.stack(dense, axis=1), sigma)
+    dense = interpolate(at, way, np.column_stack([centre, azimuth]))
+    smooth = smooth_along(dense, line.step / step)
     return np.ascontiguousarray(smooth[:, :2]), np.ascontiguousarray(smooth[:, 2])
 
 

@@ -30,8 +30,8 @@ from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.glyphs import DESCENDER, EM_UNITS, Glyph
 from paint3d.calligraphy.kernels.raster import fill_depths, label_patches
 from paint3d.calligraphy.path_fit import FittedLine, PathFitter, PlanSettings, StrokePath
-from paint3d.calligraphy.polyline import resample
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import resample
 from paint3d.errors import InputError
 
 __all__ = [

@@ -32,7 +32,7 @@ class _Worker(NamedTuple):
     connection: Connection[Any, Any]
 
 
-def _ready(workers: Sequence[_Worker]) -> list[_Worker]:
+def _await_answers(workers: Sequence[_Worker]) -> list[_Worker]:
     """Those who have an answer, after waiting for one."""
     ready = wait([worker.connection for worker in workers])
     return [worker for worker in workers if worker.connection in ready]
@@ -59,15 +59,15 @@ def in_processes(
     left, found = iter(enumerate(items)), dict[int, _Found]()
     try:
         _start(workers, work, n, is_patient=is_patient)
-        busy = [w for w in workers if _give(w, left)]
+        busy = [w for w in workers if _send_next(w, left)]
         for k in range(len(items)):
             while k not in found:
-                for worker in _ready(busy):
-                    number, result, fault = _answer(worker)
+                for worker in _await_answers(busy):
+                    number, result, fault = _receive_answer(worker)
                     if fault is not None:
                         raise fault
                     found[number] = cast("_Found", result)
-                    if not _give(worker, left):
+                    if not _send_next(worker, left):
                         busy.remove(worker)
             yield found.pop(k)
     finally:
@@ -92,16 +92,16 @@ def _start(
             workers.append(_Worker(process, ours))
 
 
-def _give(worker: _Worker, left: Iterator[tuple[int, object]]) -> bool:
+def _send_next(worker: _Worker, left: Iterator[tuple[int, object]]) -> bool:
     """Give a worker the next item; False where there is none."""
     for numbered in left:
-        with suppress(OSError):  # it has died: `_answer` will find out
+        with suppress(OSError):  # it has died: `_receive_answer` will find out
             worker.connection.send(numbered)
         return True
     return False
 
 
-def _answer(worker: _Worker) -> _Answer:
+def _receive_answer(worker: _Worker) -> _Answer:
     try:
         result: _Answer = worker.connection.recv()
         return result
@@ -131,12 +131,12 @@ def serve(
         except Exception as fault:
             answer = (number, None, fault)
         try:
-            connection.send_bytes(_packed(answer))
+            connection.send_bytes(_pack_answer(answer))
         except OSError:  # whoever asked is gone
             return
 
 
-def _packed(answer: _Answer) -> memoryview | bytes:
+def _pack_answer(answer: _Answer) -> memoryview | bytes:
     """An answer as it is sent; one that cannot be sent becomes an error that says so."""
     number, _, fault = answer
     try:
@@ -147,6 +147,6 @@ def _packed(answer: _Answer) -> memoryview | bytes:
         told = f"{type(cause).__name__}: {cause}"
         if fault is not None:
             told = f"{type(fault).__name__}: {fault} ({told})"
-        unsent = Paint3DError("what a process found could not be sent back: {told}", told=told)
+        unsent = Paint3DError("the result of a process could not be sent back: {told}", told=told)
         packed = ForkingPickler.dumps((number, None, unsent))
     return packed

@@ -24,8 +24,8 @@ from scipy.ndimage import gaussian_filter1d
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kanjivg import LineStroke
-from paint3d.calligraphy.polyline import resample_to
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d, headings_of, interpolate, line_length, resample_to
 from paint3d.errors import InputError
 
 __all__ = [
@@ -87,7 +87,7 @@ class StrokeSegment:
     @property
     def length(self) -> float:
         """In the units of the points."""
-        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+        return line_length(self.points)
 
     def stations(self, half_width: float, before: float, after: float) -> NDArray[np.float64]:
         """Distances (2 ZONE + BODY,) along the segment; it goes on straight before and after."""
@@ -108,10 +108,7 @@ class StrokeSegment:
         tangents = np.gradient(self.points, axis=0)
         tangents = gaussian_filter1d(tangents, 0.04 * len(way), axis=0, mode="nearest")
         tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-9)
-        point, tangent = (
-            np.stack([np.interp(inside, way, values[:, k]) for k in range(2)], axis=1)
-            for values in (self.points, tangents)
-        )
+        point, tangent = (interpolate(inside, way, values) for values in (self.points, tangents))
         tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
         point = point + (np.asarray(distances) - inside)[:, None] * tangent
         return point, np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
@@ -140,8 +137,7 @@ def _find_corners(points: AnyArray, n: int, hook: float) -> list[int]:
     for k in range(margin, _SAMPLES - margin):
         reach = min(window, k, _SAMPLES - 1 - k)
         back, onward = points[k] - points[k - reach], points[k + reach] - points[k]
-        cross = back[0] * onward[1] - back[1] * onward[0]
-        turning[k] = abs(np.arctan2(cross, back @ onward))
+        turning[k] = abs(np.arctan2(cross_2d(back, onward), back @ onward))
     chosen: list[int] = []
     if hook > 0.0 and n:
         tail = int((1.0 - hook) * _SAMPLES)
@@ -176,10 +172,7 @@ _LIKE = {"㇅": "㇈", "㇊": "㇈", "㇌": "㇋", "㇡": "㇉", "一": "㇐", "
 _HOOK = 0.16  # of the length: hooks of centre lines are small
 _FINE = 160  # sections along a segment
 _ROUNDING = 1.5  # units: the radius that corners of an outline are rounded with
-_STEADY, _STRAYS = (
-    0.8,
-    math.radians(14.0),
-)  # where its last heading is read; a bend from there
+_STEADY, _STRAYS = 0.8, math.radians(14.0)  # where the last heading is read; a bend from there
 _LEAST_HALF, _MOST_HALF = 6.0, 70.0  # units
 # Of characters of few strokes a brush makes these bolder than the printed script that widths were
 # learned from: how much more at most, and after how many strokes a third of it is left
@@ -256,7 +249,7 @@ def _guess_type(line: AnyArray) -> tuple[str, dict[str, Any]]:
 def _drop_end_bend(segment: StrokeSegment) -> StrokeSegment:
     """A segment without the bend at its end with which it leads into a hook."""
     way = np.diff(segment.points, axis=0)
-    heading = np.unwrap(np.arctan2(way[:, 1], way[:, 0]))
+    heading = headings_of(way)
     n = len(heading)
     first = int(_STEADY * n)
     straying = np.abs(heading[first:] - heading[first]) > _STRAYS
@@ -297,7 +290,7 @@ def _segment_outlines(
 
 def _inner_side(one: StrokeSegment, two: StrokeSegment) -> str:
     a, b = one.points[-1] - one.points[-30], two.points[30] - two.points[0]
-    return "hi" if a[0] * b[1] - a[1] * b[0] > 0.0 else "lo"
+    return "hi" if cross_2d(a, b) > 0.0 else "lo"
 
 
 def _limit_width(offsets: AnyArray, limit: float) -> AnyArray:

@@ -19,10 +19,20 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 from paint3d.calligraphy.centre_line import smooth_along
 from paint3d.calligraphy.path_fit import StrokePath
 from paint3d.core.arrays import AnyArray, as_number
+from paint3d.core.polyline import interpolate
 from paint3d.device.sample import DIP
 from paint3d.errors import InputError
 
-__all__ = ["Limits", "Motion", "Tempo", "minimum_jerk", "stretch_time", "time_path", "time_paths"]
+__all__ = [
+    "Limits",
+    "Motion",
+    "Tempo",
+    "ease_between",
+    "minimum_jerk",
+    "stretch_time",
+    "time_path",
+    "time_paths",
+]
 
 # ---- Speed along a path --------------------------------------------------------------------------
 # How fast a hand goes along a path: as its bends ask for, and within limits up to the jerk.
@@ -144,7 +154,7 @@ def _even_path(poses: AnyArray, em_mm: float) -> tuple[NDArray[np.float64], floa
     way = np.r_[0.0, np.cumsum(steps[steps > 1e-9])]
     n = max(24, len(way))
     even = np.linspace(0.0, way[-1], n)
-    path = np.stack([np.interp(even, way, column) for column in poses[kept].T], axis=1)
+    path = interpolate(even, way, poses[kept])
     return smooth_along(path, _FINEST_CURVE * em_mm * (n - 1) / way[-1]), float(way[-1])
 
 
@@ -374,6 +384,12 @@ def minimum_jerk(t: AnyArray) -> AnyArray:
     return t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
 
 
+def ease_between(start: AnyArray, end: AnyArray, t: AnyArray) -> AnyArray:
+    """Values (N, K) of a minimum-jerk movement from some (K,) to others at times (N,), 0 to 1."""
+    values: AnyArray = start + minimum_jerk(t)[:, None] * (end - start)
+    return values
+
+
 def _lift(start: AnyArray, end: AnyArray, tempo: Tempo) -> tuple[AnyArray, AnyArray]:
     """Move over from rest to rest on an arc, as fast as the limits allow but not in a hurry."""
     span = float(np.linalg.norm(end[:3] - start[:3]))
@@ -381,7 +397,7 @@ def _lift(start: AnyArray, end: AnyArray, tempo: Tempo) -> tuple[AnyArray, AnyAr
     if end[2] > 0.0 or start[2] > 0.0:
         arc = 0.0
     t = np.linspace(0.0, 1.0, _LIFT_POSES)
-    poses = start + minimum_jerk(t)[:, None] * (end - start)
+    poses = ease_between(start, end, t)
     poses[:, 2] += arc * 64.0 * (t * (1.0 - t)) ** 3
     return _time_poses(poses, tempo.lift_s, tempo)
 
@@ -408,8 +424,7 @@ def _dip(start: AnyArray, end: AnyArray, tempo: Tempo, group: int) -> list[_Part
     parts = []
     if start[2] <= 0.0:
         parts.append(_Part(*_lift(start, up, tempo), False, group - 1))
-    t = np.linspace(0.0, 1.0, _LIFT_POSES)
-    there = up + minimum_jerk(t)[:, None] * (over - up)
+    there = ease_between(up, over, np.linspace(0.0, 1.0, _LIFT_POSES))
     parts.append(_Part(*_time_poses(there, tempo.dip_s, tempo), True, group))
     parts.append(_Part(*_lift(over, end, tempo), False, group))
     return parts

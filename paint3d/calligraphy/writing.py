@@ -382,7 +382,7 @@ class _Plans:
 _plans = _Plans()
 
 
-def _key(glyph: Glyph, settings: WritingSettings) -> bytes:
+def _plan_key(glyph: Glyph, settings: WritingSettings) -> bytes:
     """What a glyph's motion depends on."""
     words = repr(
         (glyph.box, glyph.solid, settings.brush, settings.em_mm, settings.plan, settings.tempo)
@@ -406,7 +406,7 @@ def _plan_all(
 
     What was planned before is not planned again. With `apart` nothing is planned in this process.
     """
-    keys = [_key(glyph, settings) for glyph in glyphs]
+    keys = [_plan_key(glyph, settings) for glyph in glyphs]
     known = [_plans.find(key) for key in keys]
     lacking = [glyph for glyph, motion in zip(glyphs, known, strict=True) if motion is None]
     n = min(processes, len(lacking))

@@ -42,6 +42,7 @@ from paint3d.colour.spectra import (
     srgb_from_linear,
 )
 from paint3d.core.arrays import AnyArray, as_array
+from paint3d.core.polyline import interpolate
 from paint3d.errors import InputError
 
 __all__ = ["ColourModel", "live_bands"]
@@ -143,8 +144,7 @@ class ColourModel:
         films = layer_reflectance(pigment.K, pigment.S, coats[:, None], below)
         rgb = linear_rgb_from_reflectance(to_measured(films, *gloss))
         fine = np.linspace(0.0, 1.0, _N_SHADES)
-        between = np.stack([np.interp(fine, y, band) for band in rgb.T], axis=1)
-        shades = srgb_from_linear(np.clip(between, 0.0, 1.0))
+        shades = srgb_from_linear(np.clip(interpolate(fine, y, rgb), 0.0, 1.0))
         return OneInk(rgb.astype(np.float32), shades, bend, self.bare_linear_rgb[None])
 
     @property

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.files.colours import Look, linear_from_srgb, srgb_from_linear
+from paint3d.mesh.polygons import face_normals
 
 __all__ = ["MOST_VERTICES", "Draped", "Pictured", "show_pictures"]
 
@@ -237,8 +238,7 @@ def _smooth(mesh: _Mesh) -> None:
     from scipy.sparse.csgraph import connected_components
 
     corners = mesh.points[mesh.place[mesh.faces]]
-    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    unit = cross / np.maximum(np.linalg.norm(cross, axis=1, keepdims=True), 1e-300)
+    unit = face_normals(corners)
     edges, _ = mesh.edges()
     order = np.argsort(edges.ravel(), kind="stable")
     first = np.searchsorted(edges.ravel()[order], np.flatnonzero(np.bincount(edges.ravel()) == 2))

@@ -46,6 +46,15 @@ class BaseSurface:
         return longest
 
 
+def weld(vertices: AnyArray) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
+    """Positions (N, 3) without minus zeros, and their dense ids (N,); equal ones have one id."""
+    points = np.ascontiguousarray(vertices, np.float32) + np.float32(0.0)
+    table = np.full(1 << (2 * len(points)).bit_length(), -1, np.int32)
+    ids = np.empty(len(points), np.int32)
+    weld_positions(points.view(np.uint32), table, ids)
+    return points, ids
+
+
 def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
     """Weld equal positions, split vertices at creases, leave out faces without area.
 
@@ -54,10 +63,7 @@ def make_base_surface(mesh: TriangleMesh) -> BaseSurface:
     MeshError
         If more than 256 triangles share one edge.
     """
-    points = np.ascontiguousarray(mesh.vertices, np.float32) + np.float32(0.0)  # -0 becomes 0
-    table = np.full(1 << (2 * len(points)).bit_length(), -1, np.int32)
-    welded = np.empty(len(points), np.int32)  # a dense id for each position
-    weld_positions(points.view(np.uint32), table, welded)
+    points, welded = weld(mesh.vertices)
     faces = np.asarray(mesh.faces)
     face_normals, doubled = np.empty((len(faces), 3), np.float32), np.empty(len(faces))
     measure_faces(points, faces, face_normals, doubled)

@@ -27,6 +27,7 @@ __all__ = [
     "SurfaceChart",
     "SurfaceFrame",
     "frame_at",
+    "lattice",
     "lay_square",
     "make_chart",
     "overlapping",
@@ -53,7 +54,7 @@ class SplineMap:
         self, xs: NDArray[np.float64], ys: NDArray[np.float64], values: NDArray[np.float64]
     ) -> None:
         x_knots, y_knots = _knots(xs), _knots(ys)
-        coefficients = _fitted(xs, x_knots, ys, y_knots, values)
+        coefficients = _fit_spline(xs, x_knots, ys, y_knots, values)
         along_x = _differences(coefficients, x_knots)
         along_y = _differences(coefficients.transpose(1, 0, 2), y_knots).transpose(1, 0, 2)
         self._parts = {
@@ -81,7 +82,7 @@ def _knots(nodes: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.concatenate([ends[0], nodes[2:-2], ends[1]])
 
 
-def _fitted(
+def _fit_spline(
     xs: AnyArray, x_knots: AnyArray, ys: AnyArray, y_knots: AnyArray, values: AnyArray
 ) -> NDArray[np.float64]:
     """Coefficients (A, B, F), to the last bit those of FITPACK (SciPy's RectBivariateSpline)."""
@@ -166,17 +167,22 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     return SurfaceFrame(found.points[0], cross(y_axis, normal), y_axis, normal)
 
 
+def lattice(xs: AnyArray, ys: AnyArray) -> NDArray[np.float64]:
+    """Points (N, 2) of a lattice by its places along x and along y, the latter running faster."""
+    return np.stack(np.meshgrid(xs, ys, indexing="ij"), axis=-1).reshape(-1, 2)
+
+
 class SurfaceChart:
     """A smooth map from a flat rectangle, in mm, onto a surface.
 
-    Made by `make_chart`. The rectangle extends from -half_width to half_width in x and from
-    -half_height to half_height in y; (0, 0) is the frame's origin.
+    Made by `make_chart`. The rectangle extends from -reach to reach in x and y; (0, 0) is the
+    frame's origin.
 
     Attributes
     ----------
     frame : SurfaceFrame
-    half_width, half_height : float
-        mm.
+    reach : (2,) float64
+        Half its width and half its height, mm.
     """
 
     def __init__(
@@ -188,8 +194,7 @@ class SurfaceChart:
         normals: AnyArray,
     ) -> None:
         self.frame = frame
-        self.half_width = float(xs[-1])
-        self.half_height = float(ys[-1])
+        self.reach: NDArray[np.float64] = np.array([xs[-1], ys[-1]])
         self._points, self._normals = SplineMap(xs, ys, points), SplineMap(xs, ys, normals)
 
     def points(self, xy: ArrayLike) -> AnyArray:
@@ -200,11 +205,11 @@ class SurfaceChart:
         InputError
             If a coordinate lies outside the chart.
         """
-        return self._points(self._checked(xy))
+        return self._points(self._check_inside(xy))
 
     def normals(self, xy: ArrayLike) -> AnyArray:
         """Outward unit normals (N, 3)."""
-        return _normalised(self._normals(self._checked(xy)))
+        return _normalise(self._normals(self._check_inside(xy)))
 
     def tangents(self, xy: ArrayLike) -> AnyArray:
         """Frames (N, 3, 3) whose columns are the directions of x and y and the normal.
@@ -212,11 +217,11 @@ class SurfaceChart:
         The normal is that of `normals`; where the map shears, x and y are turned by the same angle
         to become orthogonal.
         """
-        checked = self._checked(xy)
-        normals = _normalised(self._normals(checked))
-        along_x = _in_plane(self._points(checked, dx=1), normals)
-        along_y = _in_plane(self._points(checked, dy=1), normals)
-        middle = _normalised(along_x + along_y)
+        checked = self._check_inside(xy)
+        normals = _normalise(self._normals(checked))
+        along_x = _unit_tangents(self._points(checked, dx=1), normals)
+        along_y = _unit_tangents(self._points(checked, dy=1), normals)
+        middle = _normalise(along_x + along_y)
         across = np.cross(normals, middle)
         root = math.sqrt(0.5)
         x_axis, y_axis = root * (middle - across), root * (middle + across)
@@ -234,9 +239,9 @@ class SurfaceChart:
         from scipy.spatial import cKDTree
 
         wanted = as_array(points, "points", (None, 3))
-        reach = np.array([self.half_width, self.half_height])
+        reach = self.reach
         lines = [np.linspace(-half, half, _INVERSE_NODES) for half in reach]
-        grid = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+        grid = lattice(*lines)
         spacing = float(2.0 * reach.max() / (_INVERSE_NODES - 1))
         tree = cKDTree(self.points(grid))
         distance, nearest = tree.query(wanted, distance_upper_bound=1.5 * spacing + most_off)
@@ -257,10 +262,9 @@ class SurfaceChart:
         out[near[kept]] = inside[kept]
         return out
 
-    def _checked(self, xy: ArrayLike) -> AnyArray:
+    def _check_inside(self, xy: ArrayLike) -> AnyArray:
         checked = as_array(xy, "xy", (None, 2))
-        reach = np.array([self.half_width, self.half_height])
-        out = np.flatnonzero((np.abs(checked) > reach * (1.0 + 1e-9)).any(axis=1))
+        out = np.flatnonzero((np.abs(checked) > self.reach * (1.0 + 1e-9)).any(axis=1))
         if len(out):
             x, y = checked[out[0]]
             raise InputError(
@@ -268,8 +272,8 @@ class SurfaceChart:
                 "and +-{half_height:g} mm",
                 x=x,
                 y=y,
-                half_width=self.half_width,
-                half_height=self.half_height,
+                half_width=self.reach[0],
+                half_height=self.reach[1],
             )
         return checked
 
@@ -369,19 +373,21 @@ def _trace(
         # Parallel transport: the least rotation that takes one normal to the next. Projecting the
         # headings instead would pull every geodesic towards the direction of least bending.
         ratio = dots_of(heading, found.normals) / (1.0 + turned)
-        heading = _in_plane(heading - ratio[:, None] * (normals + found.normals), found.normals)
+        heading = _unit_tangents(
+            heading - ratio[:, None] * (normals + found.normals), found.normals
+        )
         points, normals = found.points, found.normals
     return points, normals
 
 
-def _normalised(vectors: AnyArray) -> AnyArray:
+def _normalise(vectors: AnyArray) -> AnyArray:
     length = lengths_of(vectors)[..., None]
     return vectors / np.where(length > 0.0, length, 1.0)
 
 
-def _in_plane(vectors: AnyArray, normals: AnyArray) -> AnyArray:
+def _unit_tangents(vectors: AnyArray, normals: AnyArray) -> AnyArray:
     """Unit vectors along the parts of `vectors` that are orthogonal to `normals`."""
-    return _normalised(vectors - normals * dots_of(vectors, normals)[..., None])
+    return _normalise(vectors - normals * dots_of(vectors, normals)[..., None])
 
 
 # ---- From the surface back to the sheet ----------------------------------------------------------
@@ -404,10 +410,8 @@ def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
     """
     from scipy.spatial import KDTree
 
-    given = as_array(points, "points", (None, 3))
-    reach = np.array([chart.half_width, chart.half_height])
-    x, y = np.meshgrid(*(np.linspace(-r, r, _NODES) for r in reach), indexing="ij")
-    nodes = np.stack([x.ravel(), y.ravel()], axis=1)
+    given, reach = as_array(points, "points", (None, 3)), chart.reach
+    nodes = lattice(*(np.linspace(-r, r, _NODES) for r in reach))
     there = chart.points(nodes)
     step = 2.0 * reach.max() / (_NODES - 1)
     stretch = np.linalg.norm(np.diff(there.reshape(_NODES, _NODES, 3), axis=0), axis=2).max()
@@ -430,13 +434,12 @@ def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
 
 def _newton_step(chart: SurfaceChart, at: AnyArray, wanted: AnyArray) -> NDArray[np.float64]:
     """Return the least-squares step (N, 2) in the chart towards points (N, 3)."""
-    reach = np.array([chart.half_width, chart.half_height])
     away = wanted - chart.points(at)
     columns = []
     for axis in range(2):
         offset = np.zeros(2)
-        offset[axis] = _DIFFERENCE * reach[axis]
-        high, low = np.minimum(at + offset, reach), np.maximum(at - offset, -reach)
+        offset[axis] = _DIFFERENCE * chart.reach[axis]
+        high, low = np.minimum(at + offset, chart.reach), np.maximum(at - offset, -chart.reach)
         span = (high - low)[:, axis, None]
         columns.append((chart.points(high) - chart.points(low)) / span)
     along_x, along_y = columns
@@ -620,24 +623,26 @@ def lay_square(
     try:
         chart = make_chart(surface, frame, halves[0], halves[1], spacing, max(spacing, _FINEST_MM))
     except MeshError:
-        raise _no_place(surface, frame, em_mm, Message("the surface ends within it")) from None
+        raise _no_place_error(
+            surface, frame, em_mm, Message("the surface ends within it")
+        ) from None
     lines = [
         np.linspace(-0.5 * side, 0.5 * side, max(_FEWEST, round(_EM_PROBES * (side / em_mm))) + 1)
         for side in (width, height)
     ]
-    xy = np.stack(np.meshgrid(*lines, indexing="ij"), axis=-1).reshape(-1, 2)
+    xy = lattice(*lines)
     shape = (len(lines[0]), len(lines[1]), 3)
     points, normals = chart.points(xy).reshape(shape), chart.normals(xy).reshape(shape)
     square = EmSquare(chart, em_mm, width, height, points, normals)
     fault = square.fault(limits)
     if fault is None:
-        fault = _in_the_way(surface, square, limits.room_mm)
+        fault = _find_obstacle(surface, square, limits.room_mm)
     if fault is not None:
-        raise _no_place(surface, frame, em_mm, fault)
+        raise _no_place_error(surface, frame, em_mm, fault)
     return square
 
 
-def _in_the_way(surface: ClosestPoints, square: EmSquare, height: float) -> Message | None:
+def _find_obstacle(surface: ClosestPoints, square: EmSquare, height: float) -> Message | None:
     """Say what is nearer to points `height` mm above the square than it is; None if nothing."""
     if height <= 0.0:
         return None
@@ -660,7 +665,9 @@ def _in_the_way(surface: ClosestPoints, square: EmSquare, height: float) -> Mess
     )
 
 
-def _no_place(surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: Message) -> MeshError:
+def _no_place_error(
+    surface: ClosestPoints, frame: SurfaceFrame, em_mm: float, why: Message
+) -> MeshError:
     x, y, z = frame.origin
     return MeshError(
         "{object}: no place for an em of {em_mm:g} mm around ({x:.1f}, {y:.1f}, {z:.1f}): {why}",

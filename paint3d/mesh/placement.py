@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
+from paint3d.core.polyline import interpolate
 from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
@@ -128,7 +129,7 @@ def place(
             sides=", ".join((*SIDES, *FACES)),
         )
     asked, values = side, np.asarray(at, dtype=np.float64)
-    told = values.tolist()
+    asked_at = values.tolist()
     if side in FACES:
         if values.shape == (3,):
             raise InputError(
@@ -152,7 +153,7 @@ def place(
         )
     start, ray = _ray(surface, as_array(values, "at", values.shape), side)
     hits = surface.cast(start[None], ray[None])
-    where = Message("at {place} seen from the {side}", place=told, side=asked)
+    where = Message("at {place} seen from the {side}", place=asked_at, side=asked)
     if not hits.hit[0]:
         raise MeshError(
             "{object}: there is no surface {where}; expected another place",
@@ -163,7 +164,7 @@ def place(
     normal = surface.find(point[None]).normals[0]
     if normal @ ray >= 0.0:
         raise MeshError(
-            "{object}: {where} the surface faces away; try another",
+            "{object}: {where} the surface faces away; expected another place",
             object=surface.mesh.name,
             where=where,
         )
@@ -303,7 +304,7 @@ class SurfaceLine:
             distance %= self.length
         j = max(0, bisect_left(self._arc_lengths, distance) - 1)
         ends, points = self._arc_lengths[j : j + 2], np.array(self._points[j : j + 2])
-        return np.array([np.interp(distance, ends, points[:, k]) for k in range(3)])
+        return interpolate(distance, np.array(ends), points)
 
 
 def walk(

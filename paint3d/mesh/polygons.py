@@ -5,9 +5,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d
 from paint3d.errors import MeshError
 
-__all__ = ["triangulate"]
+__all__ = ["face_normals", "grid_faces", "triangulate"]
 
 MAX_CORNERS = 100_000
 MAX_CONCAVE_CORNERS = 5_000  # ear clipping takes quadratic time: 5,000 corners are about a second
@@ -15,6 +17,22 @@ MAX_EAR_TESTS = 100_000  # of about 20 us each: corners looked at in one polygon
 MAX_FORCED_CUTS = 10  # where an outline crosses itself; after that no cut is better than a fan
 SAME_AREA = 1e-6
 ROUNDING = 1e-12  # of coordinates, in the extent of the polygon
+
+
+def grid_faces(rows: int, columns: int) -> NDArray[np.int64]:
+    """Triangles (F, 3) of a grid of points, numbered row by row; they face up where rows go up."""
+    number = np.arange(rows * columns).reshape(rows, columns)
+    a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
+    c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()
+    return np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
+
+
+def face_normals(corners: AnyArray) -> NDArray[np.float64]:
+    """Unit normals (F, 3) of triangles by their corners (F, 3, 3); 0 for those without area."""
+    crossed = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(crossed, axis=1, keepdims=True)
+    normals: NDArray[np.float64] = crossed / np.maximum(lengths, 1e-300)
+    return normals
 
 
 def triangulate(
@@ -66,7 +84,9 @@ def triangulate(
         cut = _fans(polygons)
         if size > 3:
             for k in np.flatnonzero(_is_concave(vertices, polygons)):
-                cut[k] = _smaller(vertices, cut[k], _clip_ears(vertices[polygons[k]], polygons[k]))
+                cut[k] = _choose_smaller(
+                    vertices, cut[k], _clip_ears(vertices[polygons[k]], polygons[k])
+                )
         faces[first_triangle[rows, None] + np.arange(size - 2)] = cut
     return faces
 
@@ -77,7 +97,7 @@ def _fans(polygons: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.stack([first, polygons[:, 1:-1], polygons[:, 2:]], axis=2)
 
 
-def _smaller(
+def _choose_smaller(
     vertices: NDArray[np.float64], fan: NDArray[np.int64], ears: NDArray[np.int64]
 ) -> NDArray[np.int64]:
     """Return the triangles of less area: those outside a polygon, or folded back, add to it.
@@ -168,15 +188,11 @@ def _is_ear(
     that side), prevents it.
     """
     a, b, c = flat[trio]
-    if _cross(b - a, c - b) <= max(near, 0.0):
+    if cross_2d(b - a, c - b) <= max(near, 0.0):
         return False
     others = flat[left]
-    inside = _cross(b - a, others - a) >= -near
-    inside &= _cross(c - b, others - b) >= -near
-    inside &= _cross(a - c, others - c) >= -near
+    inside = cross_2d(b - a, others - a) >= -near
+    inside &= cross_2d(c - b, others - b) >= -near
+    inside &= cross_2d(a - c, others - c) >= -near
     in_the_way = others[inside]  # among them the three themselves, and what lies in their places
     return bool((in_the_way[:, None] == flat[trio]).all(axis=2).any(axis=1).all())
-
-
-def _cross(u: NDArray[np.float64], v: NDArray[np.float64]) -> NDArray[np.float64]:
-    return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]

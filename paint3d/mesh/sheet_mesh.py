@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d, unit_vectors
 from paint3d.errors import InputError
 from paint3d.mesh.sheets import Sheet, is_sheet, parse_sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -57,10 +58,10 @@ def make_sheet(sheet: Sheet) -> TriangleMesh:
     parts: list[_Part] = []
     for x in middles:
         points, faces = _paper(sheet, 0.0)
-        parts.append((_beside(points, x), faces, _PAPER))
+        parts.append((_shift_across(points, x), faces, _PAPER))
     if sheet.mounted:
         for x in middles:
-            parts += [(_beside(p, x), f, colour) for p, f, colour in _mount(sheet)]
+            parts += [(_shift_across(p, x), f, colour) for p, f, colour in _mount(sheet)]
     starts = np.cumsum([0, *(len(points) for points, _, _ in parts)])
     points = np.concatenate([points for points, _, _ in parts])
     faces = np.concatenate([f + n for (_, f, _), n in zip(parts, starts, strict=False)])
@@ -112,7 +113,7 @@ def writing_areas(mesh: TriangleMesh, within_margins: bool = True) -> tuple[Writ
     points, faces = _paper(sheet, sheet.margin_mm if within_margins else 0.0)
     apex = np.array([0.0, fan_of(sheet).apex, 0.0]) if sheet.usual.shape == "sector" else None
     return tuple(
-        WritingArea(TriangleMesh(_beside(points, x), faces, None, mesh.name), apex)
+        WritingArea(TriangleMesh(_shift_across(points, x), faces, None, mesh.name), apex)
         for x in reversed(_middles(sheet))
     )
 
@@ -129,7 +130,7 @@ def _middles(sheet: Sheet) -> list[float]:
     return [step * (k - 0.5 * (n - 1)) for k in range(n)]
 
 
-def _beside(points: AnyArray, x: float) -> AnyArray:
+def _shift_across(points: AnyArray, x: float) -> AnyArray:
     moved: AnyArray = points + np.array([x, 0.0, 0.0])
     return moved
 
@@ -217,8 +218,8 @@ def _mount(sheet: Sheet) -> list[_Part]:
     if sheet.usual.mount == "board":
         return [(*_border(sheet), _SILK)]
     silk, strips, rods = _scroll(sheet)
-    parts: list[_Part] = [(*_lowered(_grid(*box), 2.0), _SILK) for box in silk]
-    parts += [(*_lowered(_grid(*box), 1.0), _STRIP_SILK) for box in strips]
+    parts: list[_Part] = [(*_lower(_grid(*box), 2.0), _SILK) for box in silk]
+    parts += [(*_lower(_grid(*box), 1.0), _STRIP_SILK) for box in strips]
     parts += [(*_rod(*rod), colour) for rod, colour in rods]
     return parts
 
@@ -269,7 +270,7 @@ def drawn(sheet: Sheet) -> list[tuple[AnyArray, tuple[int, int, int] | None]]:
     return parts
 
 
-def _lowered(part: tuple[AnyArray, AnyArray], steps: float) -> tuple[AnyArray, AnyArray]:
+def _lower(part: tuple[AnyArray, AnyArray], steps: float) -> tuple[AnyArray, AnyArray]:
     points, faces = part
     return points - [0.0, 0.0, steps * _BELOW_MM], faces
 
@@ -289,7 +290,7 @@ def _border(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
         beyond = np.stack([rim[:, 0], np.full(len(rim), to)], axis=1)
         near, far = n + np.arange(len(rim)), n + len(rim) + np.arange(len(rim))
         a, b, c, d = near[:-1], near[1:], far[1:], far[:-1]
-        quads = np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3)
+        quads = _halve_quads(a, b, c, d)
         points += [rim, beyond]
         faces.append(quads if to == high else quads[:, ::-1])
         n += 2 * len(rim)
@@ -299,7 +300,7 @@ def _border(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
         near = np.stack([np.full(4, upper[k, 0]), inner], axis=1)
         far = np.stack([np.full(4, x), inner], axis=1)
         a, b = n + np.arange(3), n + 1 + np.arange(3)
-        quads = np.stack([a, b, b + 4, a, b + 4, a + 4], axis=1).reshape(-1, 3)
+        quads = _halve_quads(a, b, b + 4, a + 4)
         points += [near, far]
         faces.append(quads if k == 0 else quads[:, ::-1])
         n += 8
@@ -307,10 +308,14 @@ def _border(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
     every = np.concatenate(faces)
     corners = flat[every]
     across = corners[:, 1:] - corners[:, :1]
-    doubled = across[:, 0, 0] * across[:, 1, 1] - across[:, 0, 1] * across[:, 1, 0]
-    every = every[np.abs(doubled) > 1e-9]
+    every = every[np.abs(cross_2d(across[:, 0], across[:, 1])) > 1e-9]
     points3 = np.concatenate([flat, np.full((len(flat), 1), -_BELOW_MM)], axis=1)
     return points3, every
+
+
+def _halve_quads(a: AnyArray, b: AnyArray, c: AnyArray, d: AnyArray) -> AnyArray:
+    """Two triangles (2 N, 3) of each quadrilateral of N corners a, b, c and d."""
+    return np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3)
 
 
 def _rims(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
@@ -322,7 +327,7 @@ def _rims(sheet: Sheet) -> tuple[AnyArray, AnyArray]:
     if sheet.usual.shape == "disc":
         n = 3 * max(2, round(w / _CURVED_EDGE_MM))
         turn = np.pi * (1.0 - np.arange(n + 1) / n)
-        upper = w * np.stack([np.cos(turn), np.sin(turn)], axis=1)
+        upper = w * unit_vectors(turn)
         return upper, upper * [1.0, -1.0]
     outer, inner, apex, _ = fan_of(sheet)
     n = max(1, round(2.0 * _HALF_OPENING * outer / _CURVED_EDGE_MM))
@@ -345,7 +350,7 @@ def _rod(left: float, right: float, y: float, radius: float) -> tuple[AnyArray, 
     faces = []
     for j in range(n_x):
         a, b, c, d = (_AROUND * j + part for part in (k, on, _AROUND + on, _AROUND + k))
-        faces.append(np.stack([a, b, c, a, c, d], axis=1).reshape(-1, 3))
+        faces.append(_halve_quads(a, b, c, d))
     n, last = len(points), n_x * _AROUND
     faces.append(np.stack([np.full(_AROUND, n), on, k], axis=1))
     faces.append(np.stack([np.full(_AROUND, n + 1), last + k, last + on], axis=1))

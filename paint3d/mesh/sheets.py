@@ -186,11 +186,11 @@ def parse_sheet(name: str) -> Sheet:
             mounted = True
         else:
             raise InputError(
-                "{name}: {word!r} says nothing of a sheet; expected WIDTHxHEIGHT in mm, margin=MM "
-                "or mounted",
+                "{name}: {word!r} is no option of a sheet; expected WIDTHxHEIGHT in mm, "
+                "margin=MM or mounted",
                 name=name,
                 word=word,
             )
     if form == "sheet" and not any(map(_SIZE.fullmatch, words)):
-        raise InputError("{name}: how large is it? expected sheet:WIDTHxHEIGHT in mm", name=name)
+        raise InputError("{name}: no size is given; expected sheet:WIDTHxHEIGHT in mm", name=name)
     return Sheet(form, *size, _margin(usual, size) if margin is None else margin, mounted)

@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d
 from paint3d.errors import UnknownNameError
+from paint3d.mesh.sampling import sample_evenly
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["UP_AXES", "Upright", "guess_up", "stand_on", "turn_mesh", "turn_rows", "turn_up"]
@@ -167,16 +169,11 @@ def _hull(points: AnyArray) -> AnyArray:
     for run in (points, points[::-1]):
         chain: list[AnyArray] = []
         for p in run:
-            while len(chain) > 1 and _left_of(chain[-2], chain[-1], p) <= 0.0:
+            while len(chain) > 1 and cross_2d(chain[-1] - chain[-2], p - chain[-2]) <= 0.0:
                 chain.pop()
             chain.append(p)
         chains += chain[:-1]
     return np.array(chains)
-
-
-def _left_of(a: AnyArray, b: AnyArray, c: AnyArray) -> float:
-    """Return a positive number where c (2,) is left of the line from a to b."""
-    return float((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]))
 
 
 def _depth_inside(points: AnyArray, point: AnyArray) -> float:
@@ -208,15 +205,7 @@ def _find_mirrors(points: AnyArray, size: float) -> list[bool]:
 
 def _sample_evenly(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return points (N, 3) spread evenly over the surface."""
-    n = 16 * _CELLS**2
-    ends = np.cumsum(mesh.double_areas)
-    at = (np.arange(n) + 0.5) / n * ends[-1]
-    face = np.minimum(np.searchsorted(ends, at), mesh.n_faces - 1)
-    # two irrational steps spread the points over each triangle (Roberts' sequence)
-    u, v = ((np.arange(n) * step) % 1.0 for step in (0.7548776662466927, 0.5698402909980532))
-    over = u + v > 1.0
-    u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
-    weights = np.stack([1.0 - u - v, u, v], axis=1)
+    face, weights = sample_evenly(mesh, 16 * _CELLS**2)
     result: NDArray[np.float64] = np.einsum(
         "nc,nci->ni", weights, mesh.vertices[mesh.faces[face]].astype(np.float64)
     )

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number, dots_of
+from paint3d.core.polyline import arc_lengths, interpolate
 from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError
@@ -65,9 +66,8 @@ def record_line(
     """
     corners = _corners(surface, points, side)
     speed = as_number(speed, "speed (mm/s)", 1e-3, 1e5)
-    steps = np.linalg.norm(np.diff(corners, axis=0), axis=1)
-    reach = np.concatenate([[0.0], np.cumsum(steps)])
-    apart = np.concatenate([[True], steps > 0.0])
+    reach = arc_lengths(corners)
+    apart = np.diff(reach, prepend=-1.0) > 0.0
     corners, reach = corners[apart], reach[apart]
     if len(corners) < 2:
         raise InputError(
@@ -83,8 +83,7 @@ def record_line(
         )
     n = max(n, 4)
     along = np.linspace(0.0, reach[-1], n)
-    chords = np.column_stack([np.interp(along, reach, axis) for axis in corners.T])
-    found = surface.find(chords)
+    found = surface.find(interpolate(along, reach, corners))
     feet, normals = found.points, found.normals
     lean = np.radians(_spread(tilt, "tilt (degrees)", n, -_MOST_TILT_DEG, _MOST_TILT_DEG))
     way = _directions(feet, normals)
@@ -117,8 +116,7 @@ def _corners(surface: ClosestPoints, points: ArrayLike, side: str | None) -> Any
         )
     places = as_array(given, "points", (None, 2))
     at = np.linspace(0, len(places) - 1, max(1, (len(places) - 1) * _FINE_STEPS + 1))
-    index = np.arange(len(places))
-    fine = np.column_stack([np.interp(at, index, column) for column in places.T])
+    fine = interpolate(at, np.arange(len(places)), places)
     return np.array([place(surface, one, side).origin for one in fine])
 
 

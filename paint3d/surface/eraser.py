@@ -73,10 +73,9 @@ class Eraser:
     def _take_back_ink(self, ids: AnyArray) -> None:
         """Have the brush hold again what it left on vertices (N,)."""
         ink = self._surface.ink
-        parts = self._surface.vertex_areas[ids, None] * ink.amounts[ids].astype(np.float64)
-        caught = np.array([math.fsum(part) for part in parts.T])  # the same in any order
+        amounts = ink.amounts[ids].astype(np.float64)
         ink.amounts[ids], ink.coverage[ids] = 0.0, 0.0
-        give_back(self._surface, caught)
+        give_back(self._surface, ids, amounts)
 
 
 def _fade(spectra: AnyArray, rows: AnyArray, ground: AnyArray | float, stays: AnyArray) -> None:
@@ -85,12 +84,14 @@ def _fade(spectra: AnyArray, rows: AnyArray, ground: AnyArray | float, stays: An
     spectra[rows] = np.rint(np.clip(shown, 0, SPECTRUM_STEPS))
 
 
-def give_back(surface: PaintedSurface, caught: AnyArray) -> AnyArray:
-    """Let the brush hold `caught` (P,) more, wherever along the tuft such ink is.
+def give_back(surface: PaintedSurface, ids: AnyArray, amounts: AnyArray) -> AnyArray:
+    """Let the brush hold amounts (N, P) of vertices (N,), wherever along the tuft such ink is.
 
-    Returns what it has more, (P,) float64.
+    Returns what it has more, (P,) float64, coats x mm2.
     """
     ink = surface.ink
+    parts = surface.vertex_areas[ids, None] * amounts
+    caught = np.array([math.fsum(part) for part in parts.T])  # the same in any order
     wanted = ink.load + caught
     held = np.maximum(wanted, 0.0)
     given = held - ink.load

@@ -530,10 +530,7 @@ def _sheet(width: float, columns: int, rows: int) -> TriangleMesh:
     step = width / (columns - 1)
     y, x = np.mgrid[:rows, :columns]
     centred = np.stack([x - (columns - 1) / 2, y - (rows - 1) / 2, np.zeros_like(x)], axis=-1)
-    number = np.arange(rows * columns).reshape(rows, columns)
-    a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
-    c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()
-    faces = np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
+    faces = grid_faces(rows, columns)
     return TriangleMesh((centred.reshape(-1, 3) * step).astype(np.float32), faces)
 
 

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from paint3d.brush_engine.bristles.bend import Bristles
 from paint3d.brush_engine.tuft import Tuft
 from paint3d.core.arrays import AnyArray, cross
+from paint3d.core.polyline import arc_lengths, interpolate
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.view.brush_shape import (
     AROUND,
@@ -361,8 +362,8 @@ def fade_along(centres: AnyArray) -> AnyArray:
 
     It depends on arc length, not on the index: at a joint of the handle two rings coincide.
     """
-    steps = np.linalg.norm(np.diff(centres, axis=0), axis=1)
-    fraction = np.append(0.0, np.cumsum(steps)) / max(float(steps.sum()), 1e-9)
+    way = arc_lengths(centres)
+    fraction = way / max(float(way[-1]), 1e-9)
     result: AnyArray = 1.0 - fraction * fraction
     return result
 
@@ -433,7 +434,7 @@ def _ground_under(
     rise = np.where(hit, rise, rise[:, :1] + across * leans[:, 1:])
     known = np.concatenate([rise, leans, hit[:, :1]], axis=1)
     rings = np.arange(len(feet))
-    every = np.stack([np.interp(rings, sampled, column) for column in known.T], axis=1)
+    every = interpolate(rings, sampled, known)
     return every[:, :3], every[:, 3:5], every[:, 5] > 0.99
 
 
@@ -471,10 +472,7 @@ def _whole_faces(landed: AnyArray) -> NDArray[np.int32]:
 def _faces_of(landed_bytes: bytes, shape: tuple[int, int]) -> NDArray[np.int32]:
     rows, columns = shape
     landed = np.frombuffer(landed_bytes, bool).reshape(shape)
-    number = np.arange(rows * columns).reshape(rows, columns)
-    a, b = number[:-1, :-1].ravel(), number[:-1, 1:].ravel()
-    c, d = number[1:, :-1].ravel(), number[1:, 1:].ravel()
-    faces = np.concatenate([np.stack([a, b, d], axis=1), np.stack([a, d, c], axis=1)])
+    faces = grid_faces(rows, columns)
     result: NDArray[np.int32] = faces[landed.ravel()[faces].all(axis=1)].astype(np.int32)
     return result
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
+from paint3d.mesh.sampling import sample_evenly
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = ["Preview"]
@@ -41,14 +42,8 @@ class Preview:
     def __init__(self, mesh: TriangleMesh, size: int = 200) -> None:
         self.size = size
         n = _points_for(size)
-        ends = np.cumsum(mesh.double_areas)
-        at = (np.arange(n) + 0.5) / n * ends[-1]
-        face = np.minimum(np.searchsorted(ends, at), len(ends) - 1)
-        # The R2 sequence (Roberts) spreads the points evenly over each triangle.
-        u, v = ((np.arange(n) * step) % 1.0 for step in (0.7548776662466927, 0.5698402909980532))
-        over = u + v > 1.0
-        u, v = np.where(over, 1.0 - u, u), np.where(over, 1.0 - v, v)
-        weights = np.stack([1.0 - u - v, u, v], axis=1).astype(np.float32)
+        face, shares = sample_evenly(mesh, n)
+        weights = shares.astype(_F)
         corners = mesh.faces[face]
         middle = mesh.bounds.mean(axis=0)
         centred = (mesh.vertices[corners] - middle).astype(_F)

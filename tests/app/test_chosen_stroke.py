@@ -61,7 +61,7 @@ def no_faults(window):
         settled(window)
     window.editing.drag.end()
     window.mark.choose(None)
-    while window.document.n_edits:
+    while window.document.edits.n_done:
         window.workspace.post("undo")
         settled(window)
     window.workspace.post("replay_history", 3)
@@ -142,7 +142,7 @@ def test_a_click_on_its_paint_chooses_a_stroke_and_a_drag_moves_it(window) -> No
     assert window.mark.indices == (2,)
     pen_stroke(canvas, (0.48, 0.50), (0.48, 0.70), [0.5] * 8 + [0.0])
     settled(window)
-    assert window.document.n_edits == 1
+    assert window.document.edits.n_done == 1
     assert window.stage.paint_thread.n_painted == n_painted  # neither painted
     assert not window.editing.drag.is_on
     found = np.argwhere(accents(window))  # the mark has gone with it
@@ -177,9 +177,9 @@ def test_a_finger_drags_a_stroke_and_does_not_paint(window, finger) -> None:
     window.panels.history.edited.emit("drag", 0)
     with Touching(window.canvas) as fingers:
         fingers.drag({1: places(window, (0.48, 0.42), (0.48, 0.30))})
-    wait_for(lambda: window.document.n_edits)
+    wait_for(lambda: window.document.edits.n_done)
     settled(window)
-    assert document.n_edits == 1
+    assert document.edits.n_done == 1
     assert len(document.strokes) == count
     assert window.stage.paint_thread.n_painted == before
     assert window.hand.camera is camera  # nor did it turn the view
@@ -194,7 +194,7 @@ def test_two_fingers_move_the_view_while_a_drag_is_waited_for(window) -> None:
     settled(window)
     assert window.hand.camera is not camera
     assert window.editing.drag.is_on
-    assert window.document.n_edits == 0
+    assert window.document.edits.n_done == 0
     window.hand.look(camera)
 
 

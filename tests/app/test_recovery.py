@@ -289,7 +289,7 @@ def test_what_is_being_brought_back_is_nobody_elses(tmp_path):
         lock(theirs)
         assert recoverable(tmp_path) == []
         one.discard()
-        with pytest.raises(SessionError, match="plane: another window has taken it up"):
+        with pytest.raises(SessionError, match="plane: another window has opened it"):
             one.recover()
     seen = []
 
@@ -305,7 +305,7 @@ def test_what_is_being_brought_back_is_nobody_elses(tmp_path):
     assert not is_locked(one.folder / "lock")
     one.discard()
     assert list(tmp_path.iterdir()) == []
-    with pytest.raises(SessionError, match="plane: another window has taken it up"):
+    with pytest.raises(SessionError, match="plane: another window has opened it"):
         one.recover()
 
 
@@ -745,7 +745,7 @@ def test_what_no_document_does_is_refused():
     ):  # fmt: skip
         with pytest.raises(SessionError, match="journal"):
             replay_command(document, note)
-    with pytest.raises(RecordingError, match="nothing that a recording can say"):
+    with pytest.raises(RecordingError, match="a recording cannot hold"):
         encode_command(document, "wipe", [object()], {})
     with pytest.raises(SessionError, match="cannot be called so"):
         encode_command(document, "wipe", [0.5, 0.6], {})

@@ -118,7 +118,7 @@ def test_masks_and_layers_are_heeded(document: Document) -> None:
         (([[[0, 0], [1, 1]]], HERE), "expected rings of three"),
         (([[[0, 0], [0, 0], [0, 0]]], HERE, UP), "go around no area"),
         ((RINGS, HERE, (0, 0, 1)), "along the surface's normal"),
-        ((RINGS, HERE, UP, {}), "a paste of nothing"),
+        ((RINGS, HERE, UP, {}), "the paste is empty"),
         ((RINGS, HERE, UP, "cinnabar", 0.0), "coats"),
     ],
 )

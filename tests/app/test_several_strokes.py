@@ -36,14 +36,14 @@ def window(program):
             lead(window, [start, end], press=True)
             settled(window)
         assert len(window.document.strokes) == 3
-        window.start_edits = window.document.n_edits
+        window.start_edits = window.document.edits.n_done
         yield window
 
 
 @pytest.fixture(autouse=True)
 def as_it_was(window) -> None:
     window.editing.chooser.end()
-    while window.document.n_edits > window.start_edits:
+    while window.document.edits.n_done > window.start_edits:
         window.stage.paint_thread.post("undo").result(300)
     settled(window)
     assert len(window.document.strokes) == 3

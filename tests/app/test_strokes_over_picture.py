@@ -18,7 +18,7 @@ from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.window.copybook import copybook_guide
-from paint3d.app.window.copybook.strokes_dialog import LabelGrid, StrokesDialog
+from paint3d.app.window.copybook.strokes_dialog import CorrectionSteps, LabelGrid, StrokesDialog
 from paint3d.app.window.questions import Answer
 from paint3d.calligraphy.page.opening import opened_page
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
@@ -722,3 +722,19 @@ def test_strokes_of_a_rubbing_are_found_anew_as_such(window, sheet, monkeypatch)
         dialog.done(0)
 
     correct(window, act)
+
+
+def test_steps_are_undone_and_done_again() -> None:
+    steps = CorrectionSteps("a")
+    assert (steps.can_undo, steps.can_redo) == (False, False)
+    steps.undo()
+    steps.take("b")
+    steps.take("c")
+    steps.undo()
+    steps.undo()
+    assert (steps.now, steps.can_undo, steps.can_redo) == ("a", False, True)
+    steps.redo()
+    assert steps.now == "b"
+    steps.take("d")
+    steps.redo()
+    assert (steps.now, steps.can_redo) == ("d", False)

@@ -49,7 +49,7 @@ def as_it_was(window):
     with faults() as found:
         yield
         settled(window)
-    while window.document.n_edits:
+    while window.document.edits.n_done:
         press(window, QtCore.Qt.Key.Key_Z, QtCore.Qt.KeyboardModifier.ControlModifier)
     same(window, before[0])
     assert len(window.document.strokes) == before[1]
@@ -200,7 +200,7 @@ def test_the_button_edits_the_stroke_that_is_shown_last(window) -> None:
 
     when(menu.isVisible, click, "the button's menu opens")
     QtTest.QTest.mouseClick(panel.edit, LEFT)
-    wait_for(lambda: window.document.n_edits == 1)
+    wait_for(lambda: window.document.edits.n_done == 1)
     settled(window)
     assert len(window.document.strokes) == 4  # those behind it have come back
 

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from shapely import LineString, Polygon, hausdorff_distance, unary_union
 
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.page.correcting import CorrectedPage, Steps, halves_at
+from paint3d.calligraphy.page.correcting import CorrectedPage, halves_at
 from paint3d.calligraphy.page.page import Page, Piece
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.errors import InputError
@@ -247,19 +247,3 @@ def test_corrections_are_kept_in_a_file(tmp_path: Path) -> None:
     for one, other in zip(read, wanted, strict=True):
         np.testing.assert_allclose(one.median, other.median, atol=1e-3)
         assert region(one).symmetric_difference(region(other)).area < 5.0
-
-
-def test_steps_are_undone_and_done_again() -> None:
-    steps = Steps("a")
-    assert (steps.can_undo, steps.can_redo) == (False, False)
-    steps.undo()
-    steps.take("b")
-    steps.take("c")
-    steps.undo()
-    steps.undo()
-    assert (steps.now, steps.can_undo, steps.can_redo) == ("a", False, True)
-    steps.redo()
-    assert steps.now == "b"
-    steps.take("d")
-    steps.redo()
-    assert (steps.now, steps.can_redo) == ("d", False)

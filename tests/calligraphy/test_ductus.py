@@ -12,7 +12,6 @@ from shapely import LineString, MultiPolygon, Polygon, box
 
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.polyline import resample
 from paint3d.calligraphy.shapes import decompose as decomposing
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.shapes.dots import dot_among
@@ -25,6 +24,7 @@ from paint3d.calligraphy.shapes.ductus import (
 )
 from paint3d.calligraphy.shapes.regions import InkStroke
 from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order, register, tangents_of
+from paint3d.core.polyline import resample
 from tests.support.cases import long_but
 from tests.support.examples import examples
 from tests.support.found_strokes import as_listed

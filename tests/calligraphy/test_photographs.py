@@ -156,7 +156,7 @@ def test_soft_pale_blots_are_stains_which_is_told() -> None:
 
 
 def test_all_that_is_too_small_is_said() -> None:
-    with pytest.raises(InputError, match="all ink on the sheet is in smaller bits"):
+    with pytest.raises(InputError, match="all pieces of ink on the sheet are smaller"):
         copy_sheet(stained(), "a.png", Asked(whole=True, least=9.0))
 
 

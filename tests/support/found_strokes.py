@@ -12,8 +12,8 @@ from scipy.stats import kendalltau
 from shapely import MultiPolygon, Polygon
 
 from paint3d.calligraphy.glyphs import GlyphStroke
-from paint3d.calligraphy.polyline import line_length, resample
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length, resample
 
 __all__ = ["AsListed", "Found", "as_listed", "joined", "region_of", "score"]
 

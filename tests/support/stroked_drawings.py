@@ -17,8 +17,8 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.page.page import Page
 from paint3d.calligraphy.page.svg_drawing import load_svg
-from paint3d.calligraphy.polyline import line_length
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length
 
 __all__ = ["Drawing", "Read", "draw_strokes", "drawings_table", "lines_of", "read_drawing"]
 

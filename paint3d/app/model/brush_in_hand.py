@@ -93,14 +93,14 @@ def stepped(brush: BrushSpec, steps: int) -> BrushSpec:
 # what it does then it does with the brush it asked for, not with the one that still paints.
 
 
-def _set(_: BrushSpec, brush: str | BrushSpec | Mapping[str, Any]) -> BrushSpec:
+def _choose_brush(_: BrushSpec, brush: str | BrushSpec | Mapping[str, Any]) -> BrushSpec:
     if isinstance(brush, Mapping):
         return brush_from_words(brush)
     return load_brush(brush, own_files=False) if isinstance(brush, str) else brush
 
 
 BRUSH_COMMANDS: dict[str, Callable[..., BrushSpec]] = {
-    "set_brush": _set,
+    "set_brush": _choose_brush,
     "scale_brush": scaled,
     "resize_brush": resized,
     "step_brush": stepped,
@@ -168,12 +168,14 @@ class ToolOverride:
         if not self._is_brush:
             own = replace(
                 own,
-                load=own.load * _left(now.load.sum(), self._began.load.sum()),
-                reservoirs=_fitting(own.reservoirs, now.reservoirs, self._began.reservoirs),
+                load=own.load * _fraction_left(now.load.sum(), self._began.load.sum()),
+                reservoirs=_scale_reservoirs(
+                    own.reservoirs, now.reservoirs, self._began.reservoirs
+                ),
             )
             if isinstance(of_hairs, Mapping) and hairs is not None:
                 assert self._hair_load is not None, "it has had hairs all the time"
-                left = _left(hairs.load.sum(axis=1), self._hair_load.sum(axis=1))
+                left = _fraction_left(hairs.load.sum(axis=1), self._hair_load.sum(axis=1))
                 load = of_hairs["load"] * left[:, None]
                 of_hairs = {"load": load, "memory": hairs.memory.copy()}
                 held = load.sum(axis=0)  # hairs know only the inks that they have held
@@ -185,16 +187,16 @@ class ToolOverride:
         painter.restore({**self._state, "of_hairs": of_hairs, "loaded": back})
 
 
-def _left(now: AnyArray, began: AnyArray) -> AnyArray:
+def _fraction_left(now: AnyArray, began: AnyArray) -> AnyArray:
     """The fraction that is left of each."""
     held = np.asarray(began) > 0.0
     fraction: AnyArray = np.where(held, now / np.where(held, began, 1.0), 1.0)
     return fraction
 
 
-def _fitting(own: AnyArray, now: AnyArray, began: AnyArray) -> AnyArray:
+def _scale_reservoirs(own: AnyArray, now: AnyArray, began: AnyArray) -> AnyArray:
     """Reservoirs (N, P) that have lost what those of the stroke have lost."""
     if now.shape[0] != began.shape[0] or own.shape[0] != now.shape[0]:
         return own
-    fraction: AnyArray = own * _left(now.sum(axis=1), began.sum(axis=1))[:, None]
+    fraction: AnyArray = own * _fraction_left(now.sum(axis=1), began.sum(axis=1))[:, None]
     return fraction

@@ -610,7 +610,7 @@ def decode_command(
                 arguments,
                 {k: _decode_legacy(v) for k, v in line.get("options", {}).items()},
             )
-        inks = InkTable(dict(line.get("pigments", {})), apart=True)
+        inks = InkTable.of(line, apart=True)
         return name, [], decode_arguments(line, Vocabulary(surface, inks, exact=True))
     except (TypeError, AttributeError, KeyError) as cause:
         raise SessionError(

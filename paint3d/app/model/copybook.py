@@ -105,36 +105,37 @@ class Ghost:
         """Closed lines (N, 3) around strokes and holes, mm, a little above the surface."""
         strokes = self.glyph.strokes
         rings = [ring for stroke in strokes for ring in (stroke.outline, *stroke.holes)]
-        return tuple(self._raised(ring, closed=True) for ring in rings)
+        return tuple(self._raise_line(ring, closed=True) for ring in rings)
 
     @cached_property
     def medians(self) -> tuple[AnyArray, ...]:
         """The strokes' centre lines (N, 3) in writing order, mm."""
-        return tuple(self._raised(stroke.median, closed=False) for stroke in self.glyph.strokes)
+        return tuple(self._raise_line(stroke.median, closed=False) for stroke in self.glyph.strokes)
 
     @cached_property
     def frame(self) -> AnyArray:
         """The rim (N, 3) of the square or box, closed, mm."""
         corners = self.half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
-        return self._on_surface(_dense(corners, True, _STEP * self.square.em_mm))
+        return self._lay_on_surface(_densify(corners, True, _STEP * self.square.em_mm))
 
     @property
     def half(self) -> AnyArray:
         """Half of the width and the height (2,) of the square or box, mm."""
         return 0.5 * np.array([self.square.width_mm, self.square.height_mm])
 
-    def _from_middle(self, points: AnyArray) -> AnyArray:
+    def _mm_from_middle(self, points: AnyArray) -> AnyArray:
         """Glyph units (N, 2) as mm from the middle of the square or box."""
         em = self.square.em_mm
         return on_paper(points, em) - on_paper(np.array([self.glyph.middle]), em)
 
-    def _raised(self, line: AnyArray, closed: bool) -> AnyArray:
-        return self._on_surface(_dense(self._from_middle(line), closed, _STEP * self.square.em_mm))
+    def _raise_line(self, line: AnyArray, closed: bool) -> AnyArray:
+        return self._lay_on_surface(
+            _densify(self._mm_from_middle(line), closed, _STEP * self.square.em_mm)
+        )
 
-    def _on_surface(self, xy: AnyArray) -> AnyArray:
+    def _lay_on_surface(self, xy: AnyArray) -> AnyArray:
         chart = self.chart
-        reach = np.array([chart.half_width, chart.half_height])
-        xy = np.clip(xy, -reach, reach)
+        xy = np.clip(xy, -chart.reach, chart.reach)
         return chart.points(xy) + _LIFT_MM * chart.normals(xy)
 
     @cached_property
@@ -165,7 +166,7 @@ class Ghost:
             points[used] = unroll(self.chart, vertices[used].astype(np.float64))
         faces = faces[np.isfinite(points[faces]).all(axis=(1, 2))]
         painted = painted_mask(points + 0.5 * side, coverage, faces, side)
-        return compare(painted, self._wanted) if painted.any() else None
+        return compare(painted, self._wanted_mask) if painted.any() else None
 
     @property
     def _side(self) -> float:
@@ -173,9 +174,9 @@ class Ghost:
         return max(self.square.em_mm, self.square.width_mm, self.square.height_mm)
 
     @cached_property
-    def _wanted(self) -> NDArray[np.bool_]:
+    def _wanted_mask(self) -> NDArray[np.bool_]:
         def placed(ring: AnyArray) -> AnyArray:
-            return self._from_middle(ring) + 0.5 * self._side
+            return self._mm_from_middle(ring) + 0.5 * self._side
 
         strokes = self.glyph.strokes
         holes = [[placed(hole) for hole in stroke.holes] for stroke in strokes]
@@ -348,7 +349,7 @@ class Copybook:
                 continue
             half = 0.5 * np.array([square.width_mm, square.height_mm])
             for way in ways:
-                xy = _dense(half * np.array(way), False, _STEP * square.em_mm)
+                xy = _densify(half * np.array(way), False, _STEP * square.em_mm)
                 lines.append(square.chart.points(xy) + _LIFT_MM * square.chart.normals(xy))
         return lines
 
@@ -357,12 +358,12 @@ class Copybook:
         """Place of the first character that is not written yet; None when all are."""
         return next((k for k, ghost in enumerate(self.ghosts) if not ghost.is_written), None)
 
-    def _place_of(self, way: AnyArray) -> int | None:
+    def _find_character(self, way: AnyArray) -> int | None:
         """The character in whose square most of a way (N, 3) lies; None where in none."""
         if not self.ghosts:
             return None
         feet = self._surface.find(way[:: -(-len(way) // _LOOKED_AT)]).points
-        counts = [_inside(ghost, feet) for ghost in self.ghosts]
+        counts = [_count_inside(ghost, feet) for ghost in self.ghosts]
         best = int(np.argmax(counts))
         return best if counts[best] > 0 else None
 
@@ -425,7 +426,7 @@ class Copybook:
         # the way, not the root: that of a brush that leans is over another character
         path = object_poses(samples[::step])
         runs, n_looked = _strokes_in(path, is_over=is_over)
-        found = [self._place_of(path.way[first:last]) for first, last in runs]
+        found = [self._find_character(path.way[first:last]) for first, last in runs]
         places = [place for place in found if place is not None]
         with self._keeping:
             self._counted[id(stroke)] = counted
@@ -473,7 +474,7 @@ def _lines_of(placed: Sequence[PlacedCharacter]) -> str:
     return text
 
 
-def _inside(ghost: Ghost, points: AnyArray) -> int:
+def _count_inside(ghost: Ghost, points: AnyArray) -> int:
     """How many of the points lie in a character's square."""
     em = ghost.square.em_mm
     near = np.linalg.norm(points - ghost.chart.frame.origin, axis=1) < 2.0 * ghost.half.max()
@@ -483,13 +484,10 @@ def _inside(ghost: Ghost, points: AnyArray) -> int:
     return int(np.count_nonzero((np.abs(xy) <= ghost.half).all(axis=1)))
 
 
-def _dense(line: AnyArray, closed: bool, step: float) -> AnyArray:
+def _densify(line: AnyArray, closed: bool, step: float) -> AnyArray:
     """Points along a line (N, 2) at most a step apart, with its own corners."""
-    if closed:
-        line = np.concatenate([line, line[:1]])
-    lengths = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    counts = np.maximum(1, np.ceil(lengths / step)).astype(int)
-    before = np.repeat(np.cumsum(counts) - counts, counts)
-    share = (np.arange(counts.sum()) - before) / np.repeat(counts, counts)
-    start, way = (np.repeat(of, counts, axis=0) for of in (line[:-1], np.diff(line, axis=0)))
-    return np.concatenate([start + share[:, None] * way, line[-1:]])
+    from shapely import LineString, get_coordinates, segmentize
+
+    corners = np.concatenate([line, line[:1]]) if closed else line
+    points: AnyArray = get_coordinates(segmentize(LineString(corners), step))
+    return points

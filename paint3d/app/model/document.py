@@ -121,6 +121,10 @@ class Document:
         Whether it is otherwise than it was saved; undo and redo may lead back there.
     left_out : bool
         Whether some steps found no room in the file when it was saved last.
+    looks_back : bool
+        Whether strokes were undone by `replay_history` and not done again since.
+    edits : EditHistory
+        Edits of strokes and seals, which undo and redo lead over.
     recorder : ScoreRecorder or None
         Writes down what is asked, to be played again; None where how it began is not known.
     check_access : callable
@@ -164,10 +168,10 @@ class Document:
         self._override: ToolOverride | None = None
         self._refused = False  # the stroke whose samples come
         self._press = SealPress(painter, self._undo)
-        self._edits = EditHistory(self._undo)
+        self.edits = EditHistory(self._undo)
         self._is_repainting = False
         self._is_previewing = False  # strokes were undone only to look at what was before
-        self._looks_back = False  # and are not done again
+        self.looks_back = False
         self.recorder: ScoreRecorder | None
         if saved is None:
             self.recorder = ScoreRecorder.begin(surface, painter)
@@ -864,7 +868,7 @@ class Document:
         InputError
             If there is none at that place, or a stroke is going on.
         """
-        self._restack("", lambda stack: stack.activate(place))
+        self._restack("select_layer", lambda stack: stack.activate(place))
 
     @recorded
     def add_layer(self, name: str | None = None, place: int | None = None) -> None:
@@ -877,7 +881,7 @@ class Document:
         """
         name = name or _first_free(layer.name for layer in self.layers)
         place = self.active_layer + 1 if place is None else place
-        self._restack(COMMANDS["add_layer"].undo_label, lambda stack: stack.add(name, place))
+        self._restack("add_layer", lambda stack: stack.add(name, place))
 
     @recorded
     def remove_layer(self, place: int) -> None:
@@ -888,7 +892,7 @@ class Document:
         InputError
             If there is none at that place, it is the only one, or a stroke is going on.
         """
-        self._restack(COMMANDS["remove_layer"].undo_label, lambda stack: stack.remove(place))
+        self._restack("remove_layer", lambda stack: stack.remove(place))
 
     @recorded
     def move_layer(self, place: int, to: int, within: int | None = None) -> None:
@@ -905,9 +909,7 @@ class Document:
         InputError
             If there is no such place, a group would lie in two parts, or a stroke is going on.
         """
-        self._restack(
-            COMMANDS["move_layer"].undo_label, lambda stack: stack.move(place, to, within)
-        )
+        self._restack("move_layer", lambda stack: stack.move(place, to, within))
 
     # A group is named by the place of any of its layers.
 
@@ -923,8 +925,7 @@ class Document:
         """
         last = place if last is None else last
         name = name or self._free_group_name()
-        step = COMMANDS["add_group"].undo_label
-        self._restack(step, lambda stack: stack.group(place, last, name))
+        self._restack("add_group", lambda stack: stack.group(place, last, name))
 
     @recorded
     def ungroup(self, place: int) -> None:
@@ -935,7 +936,7 @@ class Document:
         InputError
             If there is no layer at that place, it is in no group, or a stroke is going on.
         """
-        self._restack(COMMANDS["ungroup"].undo_label, lambda stack: stack.ungroup(place))
+        self._restack("ungroup", lambda stack: stack.ungroup(place))
 
     @recorded
     def duplicate_group(self, place: int, name: str | None = None) -> None:
@@ -948,8 +949,7 @@ class Document:
             many, or a stroke is going on.
         """
         name = name or self._free_group_name()
-        step = COMMANDS["duplicate_group"].undo_label
-        self._restack(step, lambda stack: stack.duplicate_group(place, name))
+        self._restack("duplicate_group", lambda stack: stack.duplicate_group(place, name))
 
     @recorded
     def move_group(self, place: int, to: int) -> None:
@@ -961,7 +961,7 @@ class Document:
             If there is no such place, the layer is in no group, another group would lie in two
             parts, or a stroke is going on.
         """
-        self._restack(COMMANDS["move_group"].undo_label, lambda stack: stack.move_group(place, to))
+        self._restack("move_group", lambda stack: stack.move_group(place, to))
 
     @recorded
     def remove_group(self, place: int) -> None:
@@ -973,7 +973,7 @@ class Document:
             If there is no layer at that place, it is in no group, no other layer would stay, or a
             stroke is going on.
         """
-        self._restack(COMMANDS["remove_group"].undo_label, lambda stack: stack.remove_group(place))
+        self._restack("remove_group", lambda stack: stack.remove_group(place))
 
     @recorded
     def set_group_opacity(self, place: int, opacity: float) -> None:
@@ -985,8 +985,9 @@ class Document:
             If there is no layer at that place, it is in no group, it is no such share, or a stroke
             is going on.
         """
-        step = COMMANDS["set_group_opacity"].undo_label
-        self._restack(step, lambda stack: stack.set_group_properties(place, opacity=opacity))
+        self._restack(
+            "set_group_opacity", lambda stack: stack.set_group_properties(place, opacity=opacity)
+        )
 
     @recorded
     def set_group_blend(self, place: int, blend: str) -> None:
@@ -998,8 +999,9 @@ class Document:
             If there is no layer at that place, it is in no group, it is neither, or a stroke is
             going on.
         """
-        step = COMMANDS["set_group_blend"].undo_label
-        self._restack(step, lambda stack: stack.set_group_properties(place, blend=blend))
+        self._restack(
+            "set_group_blend", lambda stack: stack.set_group_properties(place, blend=blend)
+        )
 
     @recorded
     def rename_group(self, place: int, name: str) -> None:
@@ -1041,8 +1043,7 @@ class Document:
             going on.
         """
         name = name or _first_free(layer.name for layer in self.layers)
-        step = COMMANDS["duplicate_layer"].undo_label
-        self._restack(step, lambda stack: stack.duplicate(place, name))
+        self._restack("duplicate_layer", lambda stack: stack.duplicate(place, name))
 
     @recorded
     def merge_layer(self, place: int) -> None:
@@ -1066,7 +1067,7 @@ class Document:
             # a part of its own: undo comes to the layer that dried last before it takes that back
             self._undo.change(stack.state, lambda: stack.merge(place, self.surface.glaze))
 
-        self._restack(COMMANDS["merge_layer"].undo_label, merge)
+        self._restack("merge_layer", merge)
 
     @recorded
     def set_opacity(self, place: int, opacity: float) -> None:
@@ -1077,10 +1078,7 @@ class Document:
         InputError
             If there is none at that place, it is no such share, or a stroke is going on.
         """
-        self._restack(
-            COMMANDS["set_opacity"].undo_label,
-            lambda stack: stack.set_properties(place, opacity=opacity),
-        )
+        self._restack("set_opacity", lambda stack: stack.set_properties(place, opacity=opacity))
 
     @recorded
     def set_blend(self, place: int, blend: str) -> None:
@@ -1091,9 +1089,7 @@ class Document:
         InputError
             If there is none at that place, it is neither, or a stroke is going on.
         """
-        self._restack(
-            COMMANDS["set_blend"].undo_label, lambda stack: stack.set_properties(place, blend=blend)
-        )
+        self._restack("set_blend", lambda stack: stack.set_properties(place, blend=blend))
 
     @recorded
     def rename_layer(self, place: int, name: str) -> None:
@@ -1121,9 +1117,10 @@ class Document:
         self.surface.use_layers().set_properties(place, locked=bool(locked))
         self.mark_modified()
 
-    def _restack(self, step: str, action: Callable[[LayerStack], None]) -> None:
+    def _restack(self, command: str, action: Callable[[LayerStack], None]) -> None:
         """Change which layers there are; ink that goes or comes with them is no longer loaded."""
         self._refuse_in_stroke(Message("changing the layers"))
+        step = COMMANDS[command].undo_label
         if step and self._is_previewing:
             raise InputError(
                 "“{step}” is not possible during a replay; end the replay first", step=step
@@ -1142,7 +1139,7 @@ class Document:
             raise
         painter.loaded += surface.wet_ink() + surface.dry_ink() - before
         if step:
-            surface.touch(union([shown, stack.painted_ids()], surface.paint_mesh.capacity))
+            surface.touch(self._union([shown, stack.painted_ids()]))
             self.modified = True
         else:
             self.mark_modified()
@@ -1288,11 +1285,6 @@ class Document:
         """Whether there is something to do again."""
         return bool(self._undo.undone) or self._can_edit_again
 
-    @property
-    def looks_back(self) -> bool:
-        """Whether strokes were undone by `replay_history` and not done again since."""
-        return self._looks_back
-
     @recorded
     def undo(self) -> AnyArray:
         """Take back the last step or edit; the brush stays the one that was chosen last.
@@ -1306,12 +1298,12 @@ class Document:
             Vertices whose colours may have changed.
         """
         self.break_off()
-        if not self._is_repainting and self._edits.ends_here:
-            return self._exchange_edit(self._edits.undo)
+        if not self._is_repainting and self.edits.ends_here:
+            return self._exchange_edit(self.edits.undo)
         return self._undo_step()
 
     def _undo_step(self) -> AnyArray:
-        self._is_previewing = self._looks_back = False
+        self._is_previewing = self.looks_back = False
         if not self._undo.done and self.can_undo:
             self.recall_strokes()
         painter, steps = self.painter, self._undo
@@ -1325,33 +1317,35 @@ class Document:
             painter.change_brush(brush)
             painter.dip(dipped, amount=amount)
             self._dipped_since_stroke = True
-        return self._stepped(union(touched, self.surface.paint_mesh.capacity))
+        return self._follow_steps(touched)
 
     @recorded
     def redo(self) -> AnyArray:
         """Do again what was undone last; returns as `undo`."""
         self.break_off()
         if self._can_edit_again:
-            return self._exchange_edit(self._edits.redo)
+            return self._exchange_edit(self.edits.redo)
         return self._redo_step()
 
     def _redo_step(self) -> AnyArray:
-        self._is_previewing = self._looks_back = False
+        self._is_previewing = self.looks_back = False
         steps = self._undo
         touched = [steps.redo()]
         while steps.undone and steps.done[-1] == _EDIT_STEP:
             touched.append(steps.redo())
-        return self._stepped(union(touched, self.surface.paint_mesh.capacity))
+        return self._follow_steps(touched)
 
     def _follow_log(self) -> None:
         """Have the strokes of the steps that are done."""
         self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
 
-    def _stepped(self, touched: AnyArray) -> AnyArray:
+    def _follow_steps(self, touched: Sequence[AnyArray]) -> AnyArray:
+        """Have strokes, `modified` and changed vertices follow steps that were undone or redone."""
         self._follow_log()
         self.update_modified()
-        self._queue_changed(touched)
-        return touched
+        found = self._union(touched)
+        self._queue_changed(found)
+        return found
 
     def update_modified(self) -> None:
         """Set `modified` by whether the current undo step is the saved one."""
@@ -1403,8 +1397,8 @@ class Document:
             touched.append(self._undo_step())
         while len(self.strokes) < upto or self._next_is_no_stroke():
             touched.append(self._redo_step())
-        self._is_previewing, self._looks_back = passing, upto < most
-        return union(touched, self.surface.paint_mesh.capacity)
+        self._is_previewing, self.looks_back = passing, upto < most
+        return self._union(touched)
 
     def _end_preview(self) -> None:
         """Do all again that was undone only to look at what was before."""
@@ -1458,7 +1452,7 @@ class Document:
         self._refuse_in_stroke(Message("undoing earlier strokes"))
         count = self.n_strokes_without_undo
         if not count:
-            return union([], self.surface.paint_mesh.capacity)
+            return self._union([])
         if self.fewest_strokes:
             raise InputError(
                 "the first {count} strokes lie over a recording and cannot be repainted; choose "
@@ -1487,7 +1481,7 @@ class Document:
                 for ink, reach in dips:  # the belly, and then the tip
                     painter.dip(ink, reach, amount if reach is None else None)
             self._dipped_since_stroke = since_dip
-            found = union(touched, self.surface.paint_mesh.capacity)
+            found = self._union(touched)
             self.surface.touch(found)
             self._queue_changed(found)
         self.recorder = None  # what is painted again is not what was
@@ -1526,9 +1520,6 @@ class Document:
         if not chosen:
             raise InputError("no stroke is chosen; expected one or several")
         score = self._score_to_edit()
-        if self._looks_back:
-            self.replay_history(len(self.strokes) + len(self.undone_strokes))
-            score = self._score_to_edit()
         spans = locate_strokes(score, len(self.strokes), len(self.undone_strokes))
         for index in chosen:
             self._check_index(index, len(self.strokes))
@@ -1580,9 +1571,6 @@ class Document:
             everything is as it was then.
         """
         score = self._score_to_edit()
-        if self._looks_back:
-            self.replay_history(len(self.strokes) + len(self.undone_strokes))
-            score = self._score_to_edit()
         seals = follow_steps(score).seals
         held = self.n_seals
         if not 0 <= place < len(seals) or len(seals) != held:
@@ -1600,7 +1588,7 @@ class Document:
         )
 
     def _score_to_edit(self) -> Score:
-        """The score, during no stroke."""
+        """The score, during no stroke, with all done again that was undone to look back."""
         self.check_access()
         self.break_off()
         if self.recorder is None:
@@ -1608,6 +1596,8 @@ class Document:
                 "only the strokes of this painting are known, not the commands between them, so "
                 "they cannot be edited; save the strokes as a whole painting and replay it"
             )
+        if self.looks_back:
+            self.replay_history(len(self.strokes) + len(self.undone_strokes))
         score = self.score
         assert score is not None, "it is kept"
         return score
@@ -1636,7 +1626,7 @@ class Document:
     def _serialize_edit(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:
         """An edit as it can be done to a score."""
         if edit.get("do") == "ink" and "ink" in edit:
-            inks = InkTable(dict(score.header.get("pigments", {})))
+            inks = InkTable.of(score.header)
             return {**edit, "ink": inks.encode(edit["ink"]), "pigments": inks.table}
         if isinstance(edit.get("brush"), BrushSpec):
             return {**edit, "brush": encode_brush(edit["brush"])}
@@ -1665,18 +1655,18 @@ class Document:
         except BaseException:
             with recorder.suspended():
                 self.cancel_stroke()
-            touched += self._edits.exchange(version)
+            touched += self.edits.exchange(version)
             self.recorder = recorder
             self._follow_log()
             raise
         else:
-            self._edits.add(version)
+            self.edits.add(version)
             self.recorder = ScoreRecorder(edited.header, edited.events)
             self.update_modified()
         finally:
             self._restore_layer_properties(layers)
             self._take_in_hand(before)
-            found = union(touched, self.surface.paint_mesh.capacity)
+            found = self._union(touched)
             self.surface.touch(found)
             self._queue_changed(found)
         return found
@@ -1728,7 +1718,7 @@ class Document:
 
     def _apply_settings_at(self, score: Score, begin: int) -> None:
         """Set symmetry, mask, tags and azimuth as the score had them before event `begin`."""
-        vocabulary = Vocabulary(self.surface, InkTable(dict(score.header.get("pigments", {}))))
+        vocabulary = Vocabulary(self.surface, InkTable.of(score.header))
         calls: dict[str, Mapping[str, Any]] = {
             "set_symmetry": {"symmetry": Symmetry()}, "set_mask": {"mask": Mask()},
             "set_tags": {}, "set_azimuth": {"azimuth": score.header.get("azimuth", "commanded")},
@@ -1742,29 +1732,16 @@ class Document:
             getattr(self, name)(**arguments)
 
     @property
-    def n_edits(self) -> int:
-        """How many edits undo can take back."""
-        return self._edits.n_done
-
-    @property
-    def has_edits(self) -> bool:
-        """Whether undo or redo may lead over an edit, which no file keeps."""
-        return self._edits.has_any
-
-    @property
     def _can_edit_again(self) -> bool:
-        return not self._is_repainting and self._edits.continues_here
+        return not self._is_repainting and self.edits.continues_here
 
     def _exchange_edit(self, turn: Callable[[ScoreRecorder | None], Turned]) -> AnyArray:
         """Exchange the painting for the other version of the last edit."""
         before = self._in_hand()
         touched, self.recorder = turn(self.recorder)
-        self._follow_log()
+        found = self._follow_steps(touched)
         self._take_in_hand(before)
-        self._is_previewing = self._looks_back = False
-        found = union(touched, self.surface.paint_mesh.capacity)
-        self.update_modified()
-        self._queue_changed(found)
+        self._is_previewing = self.looks_back = False
         return found
 
     def _in_hand(self) -> tuple[BrushSpec, Any, DipAmount]:
@@ -1788,11 +1765,15 @@ class Document:
         pending, self._pending = self._pending, []
         if len(pending) == 1:
             return pending[0]
-        return union(pending, self.surface.paint_mesh.capacity)
+        return self._union(pending)
 
     def _refresh_colours(self) -> None:
         """Refresh colours; the next `refresh` returns the vertices that changed."""
         self._queue_changed(self.surface.refresh())
+
+    def _union(self, parts: Sequence[AnyArray]) -> AnyArray:
+        """Vertices of several arrays, each once."""
+        return union(parts, self.surface.paint_mesh.capacity)
 
     def _queue_changed(self, vertex_ids: AnyArray) -> None:
         if len(vertex_ids):

@@ -52,7 +52,7 @@ DISH = np.full(31, 0.9)
 HAIR = np.linspace(0.42, 0.62, 31)
 """Reflectance of a brush's dry hair."""
 
-_LEAST = 5e-3  # of what is held: less is told by nobody
+_LEAST = 5e-3  # of what is held: less is not shown
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +87,8 @@ def held_ink(painter: Painter) -> HeldInk:
     parts = sorted(  # most first, water last
         zip(pigments, load / total, strict=False), key=lambda part: (part[0] is WATER, -part[1])
     )
-    told = tuple((pigment, float(fraction)) for pigment, fraction in parts if fraction > _LEAST)
-    return HeldInk(told, min(1.0, total / painter.tuft.load), tuple(dict.fromkeys(bands)))
+    shown = tuple((pigment, float(fraction)) for pigment, fraction in parts if fraction > _LEAST)
+    return HeldInk(shown, min(1.0, total / painter.tuft.load), tuple(dict.fromkeys(bands)))
 
 
 @lru_cache(maxsize=256)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import InputError
+from paint3d.mesh.polygons import face_normals
 from paint3d.mesh.refined_mesh import PaintMesh
 from paint3d.surface.eraser import give_back
 from paint3d.surface.painted_surface import PaintedSurface
@@ -79,7 +80,7 @@ class RegionPick:
     def __post_init__(self) -> None:
         if self.up_to not in _KINDS:
             raise InputError(
-                "a region up to {up_to!r}; expected 'crease' or 'piece'",
+                "up_to is {up_to!r}; expected 'crease' or 'piece'",
                 up_to=self.up_to,
             )
         as_number(self.degrees, "crease (degrees)", 0.0, 180.0)
@@ -145,10 +146,10 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
     faces = mesh.base_faces
     n = len(faces)
     if isinstance(pick.face, bool) or not 0 <= pick.face < n:
-        raise InputError("face {face}; expected 0 to {last}", face=pick.face, last=n - 1)
-    one, two = _joined_faces(mesh)
+        raise InputError("face is {face}; expected 0 to {last}", face=pick.face, last=n - 1)
+    one, two = _find_neighbours(mesh)
     if pick.up_to == "crease":
-        normals = _face_normals(mesh)
+        normals = face_normals(mesh.vertices[mesh.base_faces].astype(np.float64))
         cosine = np.einsum("ij,ij->i", normals[one], normals[two])
         smooth = cosine >= math.cos(math.radians(pick.degrees)) - 1e-9
         one, two = one[smooth], two[smooth]
@@ -158,7 +159,7 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
     return result
 
 
-def _joined_faces(mesh: PaintMesh) -> tuple[AnyArray, AnyArray]:
+def _find_neighbours(mesh: PaintMesh) -> tuple[AnyArray, AnyArray]:
     """Pairs of faces that share an edge, wherever its vertices are split by normals."""
     points = mesh.vertices[: mesh.n_base_vertices]
     _, place = np.unique(points, axis=0, return_inverse=True)
@@ -169,13 +170,6 @@ def _joined_faces(mesh: PaintMesh) -> tuple[AnyArray, AnyArray]:
     edges, owner = edges[order], owner[order]
     same = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
     return owner[same], owner[same + 1]
-
-
-def _face_normals(mesh: PaintMesh) -> AnyArray:
-    corners = mesh.vertices[mesh.base_faces].astype(np.float64)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    result: AnyArray = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
-    return result
 
 
 class Stencil:
@@ -206,10 +200,10 @@ class Stencil:
 
     def covers(self, vertex_ids: AnyArray) -> NDArray[np.bool_]:
         """(N,) bool: whether vertices (N,) take no paint."""
-        self._know()
+        self._learn_vertices()
         return ~(self._open[vertex_ids] & self._leans[vertex_ids])
 
-    def _know(self) -> None:
+    def _learn_vertices(self) -> None:
         """Learn about vertices that have appeared."""
         mesh = self._surface.paint_mesh
         fields, (n, nodes) = mesh.arrays, (int(c) for c in mesh.arrays.counts)
@@ -225,10 +219,10 @@ class Stencil:
             self._open[fields.node_vertices[fresh][allowed]] = True
         self._leans = np.pad(self._leans, (0, n - known), constant_values=True)
         if self._mask.angle is not None:
-            self._lean(self._mask.angle, known, n)
+            self._update_leans(self._mask.angle, known, n)
         self._known = n, nodes
 
-    def _lean(self, angle: AngleMask, first: int, last: int) -> None:
+    def _update_leans(self, angle: AngleMask, first: int, last: int) -> None:
         fields = self._surface.paint_mesh.arrays
         towards = np.asarray(angle.direction, np.float64)
         towards /= np.linalg.norm(towards)
@@ -253,7 +247,7 @@ class Stencil:
             coats x mm2.
         """
         ink = self._surface.ink
-        ids = self._touched()
+        ids = self._touched_masked()
         if not len(ids):
             return np.zeros(len(ink.load))
         amounts, coverage = before(ids)
@@ -261,12 +255,10 @@ class Stencil:
         moved = came.any(axis=1)
         if not moved.any() and np.array_equal(ink.coverage[ids], coverage):
             return np.zeros(len(ink.load))
-        parts = self._surface.vertex_areas[ids[moved], None] * came[moved]
-        caught = np.array([math.fsum(part) for part in parts.T])  # the same in any order
         ink.amounts[ids], ink.coverage[ids] = amounts, coverage
-        return give_back(self._surface, caught)
+        return give_back(self._surface, ids[moved], came[moved])
 
-    def _touched(self) -> AnyArray:
+    def _touched_masked(self) -> AnyArray:
         """Masked vertices among those that were touched since colours were asked for last."""
         ink = self._surface.ink
         dirty, known = ink.dirty_ids[: int(ink.n_dirty[0])], self._looked

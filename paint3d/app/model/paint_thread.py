@@ -383,11 +383,11 @@ class PaintThread:
 
         What `progress` raises stops that, and everything is as it was.
         """
-        self.post(_report_to, progress)
+        self.post(_set_progress, progress)
         try:
             yield
         finally:
-            self.post(_report_to, None)
+            self.post(_set_progress, None)
 
     @property
     def recovery(self) -> RecoveryFolder | None:
@@ -466,7 +466,7 @@ class PaintThread:
             if pieces and is_lifted([*self._fed, sample]):
                 yield _make_job(now, _LIFT)
             for _ in range(pieces):
-                yield _piece(now)
+                yield _ink_job(now)
             self._fed.append(sample)
         yield _Job(now, tuple(samples[first:]))
 
@@ -486,12 +486,12 @@ class PaintThread:
         self._n_asked -= sum(job.command != _FOLLOW for job in jobs)
         for job in jobs:
             if job.result is not None and job.result.cancel():
-                job.result.set_running_or_notify_cancel()  # who waits for it is told
+                job.result.set_running_or_notify_cancel()  # who waits for it gets this
 
     def _run(self) -> None:
         while True:
             with self._wake:
-                self._wake.wait_for(self._has_work, self._patience())
+                self._wake.wait_for(self._has_work, self._longest_sleep())
                 if self._stopping and not self._jobs:
                     return
                 if self._halted and not self._stopping:
@@ -512,7 +512,7 @@ class PaintThread:
         asked = bool(self._jobs) or self._stopping or self._nudged
         return asked or (self._stale and self._slot is None)
 
-    def _patience(self) -> float | None:
+    def _longest_sleep(self) -> float | None:
         """How long to sleep at most, s."""
         if self._runs_by_the_clock:
             patience = self.ink_clock.patience(self._handed_over_ns())
@@ -542,10 +542,10 @@ class PaintThread:
         elif self._wet:
             self._wait_for_the_hand()
         if self._slot is None and self._stale:
-            self._guarded("showing", self._publish)
+            self._run_guarded("showing", self._publish)
         if not self._jobs:
-            self._guarded("keeping", self._keep_base)
-            self._guarded("preparing", self._document.prepare_next_stroke)
+            self._run_guarded("keeping", self._keep_base)
+            self._run_guarded("preparing", self._document.prepare_next_stroke)
 
     def _do(self, job: _Job) -> None:
         self._stale = True
@@ -603,7 +603,7 @@ class PaintThread:
                 return
             passed = self.ink_clock.wait(self._handed_over_ns(), self._pace.most(0.0))
             if passed and not is_dry:
-                self._enqueue(_piece(time.perf_counter()))
+                self._enqueue(_ink_job(time.perf_counter()))
 
     def _saved_up_ns(self) -> int:
         """How much time for the ink waits before it passes, ns: waking for each step costs more."""
@@ -629,7 +629,7 @@ class PaintThread:
 
         Bases hold the steps themselves, as far as there is room.
         """
-        if name in ("undo", "redo") and self._document.has_edits:
+        if name in ("undo", "redo") and self._document.edits.has_any:
             self._base_due = True  # no base knows the way over an edit
         if not self._document.left_out:
             return
@@ -684,7 +684,7 @@ class PaintThread:
         with self._wake:
             self._slot = frame, self._n_done
 
-    def _guarded(self, doing: str, action: Callable[[], None]) -> None:
+    def _run_guarded(self, doing: str, action: Callable[[], None]) -> None:
         try:
             action()
         except Exception as error:
@@ -697,11 +697,11 @@ class PaintThread:
         self._events.append(Event("error" if known else "internal", doing, message, error))
 
 
-def _report_to(document: Document, progress: Callable[[float], None] | None) -> None:
+def _set_progress(document: Document, progress: Callable[[float], None] | None) -> None:
     document.progress = progress
 
 
-def _piece(came: float) -> _Job:
+def _ink_job(came: float) -> _Job:
     """A piece of time for the ink."""
     return _make_job(came, _FOLLOW, PIECE_S)
 
@@ -769,7 +769,7 @@ class _JournalWriter:
                 if self._leaving:
                     continue
                 errors = (self._turn_pages if turns else self._write_all)(some)
-                if errors:  # painting goes on; it is told once
+                if errors:  # painting goes on; it is reported once
                     if not broken:
                         self._report("keeping", errors[0])
                     self.has_gap = True

@@ -10,8 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 
-from paint3d.app.model.stroke_log import ERASES, Stroke, weights_of
-from paint3d.colour.pigments import Pigment
+from paint3d.app.model.stroke_log import ERASES, Stroke, ink_of, weights_of
 from paint3d.painter.painter import Ink, Painter
 from paint3d.surface.eraser import Eraser
 from paint3d.surface.undo import UndoHistory
@@ -47,7 +46,7 @@ class Repainter:
         painter.rinse()
         surface.ink.off_surface[:] = 0.0
         painter.loaded = 0.0
-        painter.dip(self._ink_of(first), amount=first.amount)
+        painter.dip(ink_of(first, self._painter.surface), amount=first.amount)
 
     def repeat(self, strokes: Sequence[Stroke]) -> None:
         """Paint strokes on the layers of their names, each a step."""
@@ -83,13 +82,9 @@ class Repainter:
             self._undo.change(stack.state, lambda: stack.activate(names.index(stroke.layer)))
         if stroke.brush != painter.brush:
             painter.change_brush(stroke.brush)
-            painter.dip(self._ink_of(stroke), amount=stroke.amount)
+            painter.dip(ink_of(stroke, painter.surface), amount=stroke.amount)
         elif stroke.dipped_since_stroke:
-            painter.dip(self._ink_of(stroke), amount=stroke.amount)
-
-    def _ink_of(self, stroke: Stroke) -> dict[str | Pigment, float]:
-        known = {pigment.name: pigment for pigment in self._painter.surface.pigments}
-        return {known.get(name, name): part for name, part in stroke.ink.items()}
+            painter.dip(ink_of(stroke, painter.surface), amount=stroke.amount)
 
 
 def dips_of(painter: Painter) -> Sequence[_Dip]:

@@ -111,12 +111,12 @@ def _parts(surface: PaintedSurface, ink: Ink) -> AnyArray:
     """(P,) float32 parts of the surface's pigments, of sum 1."""
     stirred: Mapping[Any, float] = ink if isinstance(ink, Mapping) else {ink: 1.0}
     if not stirred:
-        raise InputError("a paste of nothing; expected an ink")
+        raise InputError("the paste is empty; expected an ink")
     columns, weights = [], []
     for one, weight in stirred.items():
         if isinstance(one, str) and table_of(one) is not None:
             raise InputError(
-                "paste of {one!r}; expected a name of the palette, or a Pigment",
+                "the paste has {one!r}; expected a name of the palette, or a Pigment",
                 one=one,
             )
         pigment = load_pigment(one) if isinstance(one, str) else one

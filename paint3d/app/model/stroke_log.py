@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
@@ -17,10 +17,11 @@ from paint3d.colour.pigments import Pigment
 from paint3d.core.arrays import as_number
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP, ERASER, DeviceSample
-from paint3d.errors import InputError, RecordingError, SessionError
+from paint3d.errors import InputError, Message, RecordingError, SessionError
 from paint3d.painter.ink_time import PIECE_NS
 from paint3d.painter.recorded_tools import told_at
 from paint3d.pose.brush_pose import contacts_of
+from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
     "ERASES",
@@ -62,9 +63,9 @@ class Stroke:
     tags : dict
         What else is known, as JSON holds it: character, participant, device set ...
     loads : tuple of (int, float)
-        How much the brush came to hold at samples, shares of a dip, where that was told.
+        How much the brush came to hold at samples, shares of a dip, where that was given.
     strengths : tuple of (int, float)
-        What fraction of the ink it was then, the rest being water, where that was told.
+        What fraction of the ink it was then, the rest being water, where that was given.
     """
 
     time_s: float
@@ -105,7 +106,7 @@ class Stroke:
         )
 
     def tool_changes(self, shift: int = 0) -> dict[str, list[list[float]]]:
-        """Loads and strengths as a recording's header tells them, times moved by `shift` ns."""
+        """Loads and strengths as a recording's header has them, times moved by `shift` ns."""
         changes = {}
         for name, pairs in (("loads", self.loads), ("strengths", self.strengths)):
             known = [one for one in pairs if one[0] < len(self.samples)]
@@ -227,10 +228,10 @@ class StrokeLog:
         changes: dict[str, list[list[float]]] = {}
         shift = 0
         for stroke in strokes:
-            own = _whole(stroke)
+            own = _complete_samples(stroke)
             if samples:
-                shift = _shift(samples[-1].time_ns, own[0].time_ns, shift)
-            samples += [_with(s, time_ns=s.time_ns + shift) for s in own] if shift else own
+                shift = _time_shift(samples[-1].time_ns, own[0].time_ns, shift)
+            samples += [replace(s, time_ns=s.time_ns + shift) for s in own] if shift else own
             for name, pairs in stroke.tool_changes(shift).items():
                 changes[name] = [*changes.get(name, []), *pairs]
         return recording_of(samples, {**strokes[0].header(), **changes, "object": object_name})
@@ -239,14 +240,17 @@ class StrokeLog:
 def checked_pairs(
     name: str, changes: Sequence[tuple[int, float]], least: float = 0.0
 ) -> tuple[tuple[int, float], ...]:
-    """What is told of samples of a stroke, shares from `least` to 1.
+    """Pairs of a stroke's samples and shares, shares from `least` to 1.
 
     Raises
     ------
     InputError
         If they are no pairs of a sample and a fraction, one sample after the other.
     """
-    expected = f"pairs of a sample, counted from 0, and a fraction from {least:g} to 1, in order"
+    expected = Message(
+        "pairs of a sample, counted from 0, and a fraction from {least:g} to 1, in order",
+        least=least,
+    )
     try:
         pairs = [(k, as_number(fraction, "fraction", least, 1.0)) for k, fraction in changes]
     except (TypeError, ValueError, InputError):
@@ -267,24 +271,24 @@ def checked_pairs(
     return tuple(pairs)
 
 
-def _whole(stroke: Stroke) -> list[DeviceSample]:
+def _complete_samples(stroke: Stroke) -> list[DeviceSample]:
     """A stroke's samples, dipped and with lifted ends; with the eraser end where it erases."""
     end = ERASER if stroke.tags.get(ERASES) else 0
-    samples = [_with(s, buttons=s.buttons & ~ERASER | end) for s in stroke.samples]
+    samples = [replace(s, buttons=s.buttons & ~ERASER | end) for s in stroke.samples]
     first, last = samples[0], samples[-1]
     if first.pressure is None:
         return samples
     if first.pressure > 0.0:
-        samples.insert(0, _with(first, time_ns=first.time_ns - _LANDING_NS, pressure=0.0))
+        samples.insert(0, replace(first, time_ns=first.time_ns - _LANDING_NS, pressure=0.0))
     if last.pressure is not None and last.pressure > 0.0:
-        samples.append(_with(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
+        samples.append(replace(last, time_ns=last.time_ns + _LANDING_NS, pressure=0.0))
     if stroke.dipped_since_stroke:
-        dip = _with(samples[0], time_ns=samples[0].time_ns - _LANDING_NS, buttons=DIP | end)
+        dip = replace(samples[0], time_ns=samples[0].time_ns - _LANDING_NS, buttons=DIP | end)
         samples.insert(0, dip)
     return samples
 
 
-def _shift(end_ns: int, begin_ns: int, shift: int) -> int:
+def _time_shift(end_ns: int, begin_ns: int, shift: int) -> int:
     """What is added to a stroke's times, ns: as to those before it, if then it begins after them.
 
     Else its clock is another one. It is moved by whole pieces of the ink's time, so that these end
@@ -293,11 +297,6 @@ def _shift(end_ns: int, begin_ns: int, shift: int) -> int:
     if begin_ns + shift > end_ns:
         return shift
     return -((begin_ns - end_ns - _PAUSE_NS) // PIECE_NS) * PIECE_NS
-
-
-def _with(sample: DeviceSample, **changes: Any) -> DeviceSample:
-    names = DeviceSample.__dataclass_fields__
-    return DeviceSample(**{name: changes.get(name, getattr(sample, name)) for name in names})
 
 
 def recording_of(samples: Sequence[DeviceSample], header: Mapping[str, object]) -> Recording:
@@ -376,6 +375,12 @@ def weights_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
     """The weights of the inks in a mixture, by name, as they were given."""
     stirred = ink if isinstance(ink, Mapping) else {ink: 1.0}
     return {k if isinstance(k, str) else k.name: float(w) for k, w in stirred.items()}
+
+
+def ink_of(stroke: Stroke, surface: PaintedSurface) -> dict[str | Pigment, float]:
+    """A stroke's ink, with the surface's own pigments in the place of their names."""
+    known = {pigment.name: pigment for pigment in surface.pigments}
+    return {known.get(name, name): part for name, part in stroke.ink.items()}
 
 
 def parts_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:

@@ -57,48 +57,46 @@ class ImagePainter:
     ) -> None:
         """Paint the image of what the hand did, and do something while this brush is in hand."""
         moved = transformed(samples, self._image)
-        with self._as_twin():
+        with self._exchange_ink():
             self._twin.advance(moved)
             then()
 
     def lift(self, then: Callable[[], None] = lambda: None) -> None:
         """Paint what still waits, though the stroke goes on, and do something as in `advance`."""
-        with self._as_twin():
+        with self._exchange_ink():
             self._twin.lift()
             then()
 
     def finish(self, then: Callable[[], None] = lambda: None) -> None:
         """Paint what still waits, do something, and wash the brush out."""
-        with self._as_twin():
+        with self._exchange_ink():
             self._twin.finish()
             then()
-        self._painter.loaded -= self._surface.lasting(self._fitting()[0])
+        self._painter.loaded -= self._surface.lasting(self._pad_ink(*self._held)[0])
 
     @contextmanager
-    def _as_twin(self) -> Iterator[None]:
+    def _exchange_ink(self) -> Iterator[None]:
         """Within, this brush's ink is there instead of the hand's."""
         surface = self._surface
         own = surface.ink.load.copy(), surface.ink.reservoirs
-        self._put(*self._fitting())
+        self._put_ink(*self._held)
         loaded = self._twin.loaded
         try:
             yield
         finally:  # the hand's ink is never left with an image
             self._held = surface.ink.load.copy(), surface.ink.reservoirs
-            self._put(*own)
+            self._put_ink(*own)
             self._painter.loaded += self._twin.loaded - loaded  # it may have been dipped
 
-    def _fitting(self) -> tuple[AnyArray, AnyArray]:
-        """What this brush holds, of all pigments that are known by now."""
-        load, reservoirs = self._held
+    def _pad_ink(self, load: AnyArray, reservoirs: AnyArray) -> tuple[AnyArray, AnyArray]:
+        """Ink of a brush with columns for all pigments that are known by now."""
         missing = len(self._surface.pigments) - len(load)
         return np.pad(load, (0, missing)), np.pad(reservoirs, ((0, 0), (0, missing)))
 
-    def _put(self, load: AnyArray, reservoirs: AnyArray) -> None:
+    def _put_ink(self, load: AnyArray, reservoirs: AnyArray) -> None:
         surface = self._surface
-        missing = len(surface.pigments) - len(load)
-        surface.ink.load[:] = np.pad(load, (0, missing))
-        surface.ink = surface.ink._replace(reservoirs=np.pad(reservoirs, ((0, 0), (0, missing))))
+        surface.ink.load[:], reservoirs = self._pad_ink(load, reservoirs)
+        surface.ink = surface.ink._replace(reservoirs=reservoirs)
 
 
 class StrokePainter:

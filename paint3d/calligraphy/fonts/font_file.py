@@ -18,8 +18,8 @@ import numpy as np
 from paint3d.calligraphy.glyphs import EM_UNITS
 from paint3d.calligraphy.optional_packages import import_optional
 from paint3d.calligraphy.page.page import fill_rings
-from paint3d.calligraphy.polyline import bezier_points
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import bezier_points
 from paint3d.errors import InputError, Message
 
 if TYPE_CHECKING:
@@ -75,9 +75,9 @@ def list_fonts(text: str = "") -> list[SystemFont]:
     wanted = ["scalable=true", "color=false"]
     codes = " ".join(f"{ord(c):x}" for c in dict.fromkeys(text) if not c.isspace())
     pattern = ":" + ":".join([*wanted, f"charset={codes}"] if codes else wanted)
-    lines = _ask("fc-list", "--format", _FORMAT, pattern).splitlines()
-    fonts = [_parse(line) for line in lines if line.count(_SEPARATOR) == 3]
-    return sorted(fonts, key=lambda font: (font.family, font.style, str(font.path)))
+    return sorted(
+        _ask_fonts("fc-list", pattern), key=lambda font: (font.family, font.style, str(font.path))
+    )
 
 
 def fonts_with(text: str) -> list[SystemFont]:
@@ -115,8 +115,7 @@ def match_font(name: str, number: int = 0) -> tuple[Path, int]:
 
 
 def _parse_all(name: str) -> list[SystemFont]:
-    lines = _ask("fc-match", "--format", _FORMAT, name).splitlines()
-    found = [_parse(line) for line in lines if line.count(_SEPARATOR) == 3]
+    found = _ask_fonts("fc-match", name)
     whole = [font for font in list_fonts() if f"{font.family} {font.style}" == name]
     return whole or found
 
@@ -126,9 +125,14 @@ def _family_of(pattern: str) -> str:
     return pattern.split(":")[0].split("-")[0].strip()
 
 
-def _parse(line: str) -> SystemFont:
-    family, style, number, path = line.split(_SEPARATOR)
-    return SystemFont(family, style, int(number or 0) & 0xFFFF, Path(path))
+def _ask_fonts(command: str, pattern: str) -> list[SystemFont]:
+    """The faces that a command of fontconfig names for a pattern."""
+    fonts = []
+    for line in _ask(command, "--format", _FORMAT, pattern).splitlines():
+        if line.count(_SEPARATOR) == 3:
+            family, style, number, path = line.split(_SEPARATOR)
+            fonts.append(SystemFont(family, style, int(number or 0) & 0xFFFF, Path(path)))
+    return fonts
 
 
 def _ask(command: str, *arguments: str) -> str:

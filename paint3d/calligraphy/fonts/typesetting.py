@@ -501,12 +501,7 @@ def _decompose(part: MultiPolygon, forms: Sequence[Glyph], is_rtl: bool) -> list
 
 
 def _mirror(strokes: Sequence[GlyphStroke]) -> tuple[GlyphStroke, ...]:
-    return tuple(
-        GlyphStroke(
-            one.outline * _MIRROR, one.median * _MIRROR, tuple(hole * _MIRROR for hole in one.holes)
-        )
-        for one in strokes
-    )
+    return tuple(one.mapped(lambda points: points * _MIRROR) for one in strokes)
 
 
 def _placement(body: Body) -> list[tuple[int, float, float]]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from paint3d.calligraphy.glyphs import EM_UNITS, GlyphStroke
-from paint3d.calligraphy.page.page import polygons_of, rings_of
+from paint3d.calligraphy.page.page import polygons_of
 from paint3d.core.arrays import AnyArray
 
 if TYPE_CHECKING:
@@ -86,5 +86,4 @@ def _make_band(part: Polygon, turn: AnyArray) -> GlyphStroke:
         section = part.intersection(LineString([(x, lower - 1.0), (x, upper + 1.0)]))
         if not section.is_empty:
             line.append((x, section.centroid.y))
-    outer, holes = rings_of(part)
-    return GlyphStroke(outer @ turn, np.array(line) @ turn, tuple(hole @ turn for hole in holes))
+    return GlyphStroke.filling(part, np.array(line)).mapped(lambda points: points @ turn)

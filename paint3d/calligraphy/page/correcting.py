@@ -10,29 +10,27 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import Box, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece
-from paint3d.calligraphy.polyline import arc_lengths, points_at
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, points_at
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
     from shapely import Polygon
 
-__all__ = ["CorrectedPage", "CorrectedStroke", "Steps", "halves_at"]
+__all__ = ["CorrectedPage", "CorrectedStroke", "halves_at"]
 
-_GRID = 1e-3  # glyph units: what a file of strokes tells
+_GRID = 1e-3  # glyph units: to which a file of strokes is rounded
 _NEAREST_END = 0.02  # of a stroke's length: a cut nearer to an end is none
-_MOST_SAMPLES = 300  # along a stroke, to tell which half a place belongs to
+_MOST_SAMPLES = 300  # along a stroke, to find which half a place belongs to
 _STANDS_OUT = 0.25  # of a box: so far letters of a font may stand out of theirs
 _CRUMB = 1.0  # square units: smaller bits that touch neither half are rounding
-
-State = TypeVar("State")
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +85,7 @@ class CorrectedPage:
 
     def number(self, k: int) -> tuple[int, int]:
         """A stroke's place in its piece, counted from 1, and how many that has."""
-        mine = self._of_piece(self.strokes[k].piece)
+        mine = self._strokes_of_piece(self.strokes[k].piece)
         return mine.index(k) + 1, len(mine)
 
     @property
@@ -108,20 +106,20 @@ class CorrectedPage:
 
     def reverse(self, k: int) -> CorrectedPage:
         """Stroke k written the other way."""
-        return self._with(
+        return self._replace_stroke(
             k, replace(self.strokes[k], stroke=_reverse_order(self.strokes[k].stroke))
         )
 
     def leave_out(self, k: int, on: bool = True) -> CorrectedPage:
         """Stroke k left out, or taken in again."""
-        return self._with(k, replace(self.strokes[k], is_left_out=on))
+        return self._replace_stroke(k, replace(self.strokes[k], is_left_out=on))
 
     def move(self, k: int, by: int) -> tuple[CorrectedPage, int]:
         """Stroke k later in its piece by so many, or earlier; and its place then."""
-        mine = self._of_piece(self.strokes[k].piece)
+        mine = self._strokes_of_piece(self.strokes[k].piece)
         to = min(max(k + by, mine[0]), mine[-1])
         others = [one for j, one in enumerate(self.strokes) if j != k]
-        return self._of([*others[:to], self.strokes[k], *others[to:]]), to
+        return self._replace_all([*others[:to], self.strokes[k], *others[to:]]), to
 
     def move_piece(self, k: int, by: int) -> tuple[CorrectedPage, int]:
         """The piece of stroke k later by so many, or earlier; and the stroke's place then."""
@@ -130,12 +128,12 @@ class CorrectedPage:
         at = order.index(piece)
         order.insert(min(max(at + by, 0), len(order) - 1), order.pop(at))
         strokes = [one for p in order for one in self.strokes if one.piece == p]
-        return self._of(strokes), strokes.index(self.strokes[k])
+        return self._replace_all(strokes), strokes.index(self.strokes[k])
 
     def leave_out_piece(self, k: int, on: bool = True) -> CorrectedPage:
         """All strokes of the piece of stroke k left out, or taken in again."""
         piece = self.strokes[k].piece
-        return self._of(
+        return self._replace_all(
             replace(one, is_left_out=on) if one.piece == piece else one for one in self.strokes
         )
 
@@ -156,7 +154,7 @@ class CorrectedPage:
             stroke=_join_strokes(self.strokes[k].stroke, self.strokes[other].stroke),
         )
         strokes = [joined if j == k else one for j, one in enumerate(self.strokes) if j != other]
-        return self._of(strokes), strokes.index(joined)
+        return self._replace_all(strokes), strokes.index(joined)
 
     def split(self, k: int, point: Sequence[float] | AnyArray) -> CorrectedPage:
         """Stroke k as two, cut across its line at the place nearest to a point of the page.
@@ -169,7 +167,7 @@ class CorrectedPage:
         halves = halves_at(self.strokes[k].stroke, np.asarray(point, np.float64))
         strokes = [*self.strokes]
         strokes[k : k + 1] = [replace(self.strokes[k], stroke=half) for half in halves]
-        return self._of(strokes)
+        return self._replace_all(strokes)
 
     # -- what is there ----------------------------------------------------------------------
 
@@ -200,11 +198,11 @@ class CorrectedPage:
             If every stroke is left out.
         """
         order = list(dict.fromkeys(one.piece for one in self.strokes))
-        pieces = [self._piece(p) for p in order]
+        pieces = [self._make_piece(p) for p in order]
         kept = tuple(piece for piece in pieces if piece.glyph.strokes)
         return replace(self.base, pieces=kept)
 
-    def _piece(self, p: int) -> Piece:
+    def _make_piece(self, p: int) -> Piece:
         piece = self.base.pieces[p]
         mine = [one for one in self.strokes if one.piece == p]
         if mine == [one for one in self._first if one.piece == p]:
@@ -216,59 +214,14 @@ class CorrectedPage:
         moved = np.array(glyph.middle) - piece.glyph.middle
         return Piece(glyph, (piece.at[0] + float(moved[0]), piece.at[1] + float(moved[1])))
 
-    def _of_piece(self, piece: int) -> list[int]:
+    def _strokes_of_piece(self, piece: int) -> list[int]:
         return [j for j, one in enumerate(self.strokes) if one.piece == piece]
 
-    def _with(self, k: int, changed: CorrectedStroke) -> CorrectedPage:
-        return self._of(changed if j == k else one for j, one in enumerate(self.strokes))
+    def _replace_stroke(self, k: int, changed: CorrectedStroke) -> CorrectedPage:
+        return self._replace_all(changed if j == k else one for j, one in enumerate(self.strokes))
 
-    def _of(self, strokes: Iterable[CorrectedStroke]) -> CorrectedPage:
+    def _replace_all(self, strokes: Iterable[CorrectedStroke]) -> CorrectedPage:
         return replace(self, strokes=tuple(strokes))
-
-
-class Steps(Generic[State]):
-    """States one after another, of which the last ones can be undone and done again.
-
-    Parameters
-    ----------
-    first : State
-    """
-
-    def __init__(self, first: State) -> None:
-        self._states, self._points_at = [first], 0
-
-    @property
-    def now(self) -> State:
-        """The state that counts."""
-        return self._states[self._points_at]
-
-    @property
-    def first(self) -> State:
-        """State that it began with."""
-        return self._states[0]
-
-    @property
-    def can_undo(self) -> bool:
-        """Return whether there is a state before."""
-        return self._points_at > 0
-
-    @property
-    def can_redo(self) -> bool:
-        """Return whether something was undone."""
-        return self._points_at + 1 < len(self._states)
-
-    def take(self, state: State) -> None:
-        """Go on to another state; what was undone is forgotten."""
-        self._states[self._points_at + 1 :] = [state]
-        self._points_at += 1
-
-    def undo(self) -> None:
-        """Go back by one, where there is one."""
-        self._points_at -= self.can_undo
-
-    def redo(self) -> None:
-        """Go forth by one, where there is one."""
-        self._points_at += self.can_redo
 
 
 # -- strokes ------------------------------------------------------------------------------------
@@ -280,8 +233,7 @@ def _to_page(piece: Piece) -> NDArray[np.float64]:
 
 
 def _translate(stroke: GlyphStroke, by: AnyArray) -> GlyphStroke:
-    holes = tuple(hole + by for hole in stroke.holes)
-    return replace(stroke, outline=stroke.outline + by, median=stroke.median + by, holes=holes)
+    return stroke.mapped(lambda points: points + by)
 
 
 def _reverse_order(stroke: GlyphStroke) -> GlyphStroke:
@@ -298,13 +250,6 @@ def _bound_strokes(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
     if (low >= np.array(box[:2]) - reach).all() and (high <= np.array(box[2:]) + reach).all():
         return box
     return float(low[0]), float(low[1]), float(high[0]), float(high[1])
-
-
-def _as_stroke(
-    region: Polygon, median: AnyArray, dryness: Sequence[float], strength: float
-) -> GlyphStroke:
-    rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
-    return GlyphStroke(rings[0], median, tuple(rings[1:]), tuple(dryness), strength)
 
 
 def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphStroke]:
@@ -332,7 +277,7 @@ def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphS
     regions = _part_region(stroke.polygon(), stroke.median, cut)
     drynesses = _part_dryness(stroke.dryness, cut / length)
     first, second = (
-        _as_stroke(region, own, dry, stroke.strength)
+        GlyphStroke.filling(region, own, dry, stroke.strength)
         for region, own, dry in zip(regions, lines, drynesses, strict=True)
     )
     return first, second
@@ -440,7 +385,7 @@ def _join_strokes(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
     if a.dryness or b.dryness:
         dryness = _concatenate_dryness((a.dryness, b.dryness), lengths)
     strength = float(np.average([a.strength, b.strength], weights=np.maximum(lengths, 1e-9)))
-    return _as_stroke(region, np.concatenate([a.median, following]), dryness, strength)
+    return GlyphStroke.filling(region, np.concatenate([a.median, following]), dryness, strength)
 
 
 def _concatenate_dryness(

@@ -16,12 +16,12 @@ from paint3d.calligraphy.free_arc import FreeArc, Ring, in_the_way_error
 from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph
 from paint3d.calligraphy.layout import (
     Layout,
+    TextPlace,
     WritingArea,
     find_writing_areas,
     frames_to_try,
     start_around,
     upright_frame,
-    walking_step,
     with_suggestion,
 )
 from paint3d.calligraphy.page.page import Composer, Page, Piece, bounds_of
@@ -29,7 +29,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
-from paint3d.mesh.placement import SurfaceLine, walk
+from paint3d.mesh.placement import SurfaceLine
 
 __all__ = ["PlacedPiece", "lay_page"]
 
@@ -169,72 +169,54 @@ def _far_too_large(
     )
 
 
-class _Sheet:
+class _Sheet(TextPlace):
     """A page's lines up and along, around one place of a surface."""
 
-    def __init__(
-        self,
-        area: WritingArea,
-        em_mm: float,
-        layout: Layout,
-        limits: SquareLimits,
-        middle: SurfaceFrame,
-    ) -> None:
-        self.surface = area.surface
-        self.em_mm, self.layout, self.limits = em_mm, layout, limits
-        self.middle, self.scale = middle, em_mm / EM_UNITS
-        self.up = area.upright(middle.normal, layout)
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        self.scale = self.em_mm / EM_UNITS
         self.too_small: MeshError | None = None  # why pages were not even composed
-        self._climbs: dict[float, SurfaceLine] = {}
         self._levels: dict[tuple[float, float], SurfaceLine] = {}
         self._rings: dict[float, Ring] = {}
-        self._free: dict[float, FreeArc | None] = {}
-        self._brush = limits
-        if layout.brush_mm is not None:
-            self._brush = replace(limits, room_mm=layout.brush_mm)
 
     def pages(self, composer: Composer) -> Iterator[Page]:
         """The text in one line, then broken to more and more, but for what is far too large.
 
         Of that not even the glyphs are placed, which takes seconds for thousands.
         """
-        room = self._room(composer)
+        room = self._length_along(composer)
         page: Page | None = None
         for share in (math.inf, *_SHARES):
             length = share * room / self.scale
             along, across = (self.scale * size for size in composer.least_size(length))
-            if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._depth(composer):
-                self.too_small = self.too_small or self._line_ends()
+            if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._length_across(
+                composer
+            ):
+                self.too_small = self.too_small or self.surface_ends_error()
                 continue
             following = composer.compose(length)
             if following is not page:
                 page = following
                 yield page
 
-    def _depth(self, composer: Composer) -> float:
+    def _length_across(self, composer: Composer) -> float:
         """Room across the lines, mm."""
         if not composer.runs_down:
-            return sum(self._climb(sign).length for sign in (1.0, -1.0))
-        right = self._level(0.0, 1.0)
-        return right.length if right.closed else right.length + self._level(0.0, -1.0).length
+            return sum(self.climb(sign).length for sign in (1.0, -1.0))
+        right = self._level_line(0.0, 1.0)
+        return right.length if right.closed else right.length + self._level_line(0.0, -1.0).length
 
-    def _line_ends(self) -> MeshError:
-        return MeshError(
-            "{object}: the surface ends within the text",
-            object=self.surface.mesh.name,
-        )
-
-    def _room(self, composer: Composer) -> float:
+    def _length_along(self, composer: Composer) -> float:
         """Greatest length of a line of text, mm."""
         if composer.runs_down:
-            return sum(self._climb(sign).length for sign in (1.0, -1.0))
+            return sum(self.climb(sign).length for sign in (1.0, -1.0))
         with suppress(MeshError):
             if self.layout.around and (arc := self._find_arc([0.0])) is not None:
                 return arc.length + self.em_mm
-        right = self._level(0.0, 1.0)
+        right = self._level_line(0.0, 1.0)
         if right.closed:
             return right.length
-        return 2.0 * min(right.length, self._level(0.0, -1.0).length)
+        return 2.0 * min(right.length, self._level_line(0.0, -1.0).length)
 
     def lay(self, page: Page) -> list[PlacedPiece]:
         """Every piece of a page; the page is moved up or down where that makes it fit.
@@ -264,7 +246,7 @@ class _Sheet:
         if arc is not None:
             return self._along(page, arc)
         if all(piece.word is not None for piece in page.pieces):
-            return self._ribbon(page, move)
+            return self._wrap_around(page, move)
         return self._spread_around(page)
 
     def _heights(self, page: Page, move: float) -> list[float]:
@@ -283,25 +265,25 @@ class _Sheet:
         return replace(arcs[0], start=start, end=max(start, end))
 
     def _arc_at(self, height: float) -> FreeArc | None:
-        if height not in self._free:
+        if height not in self.free:
 
             def is_free(point: AnyArray) -> bool:
                 try:
                     frame = upright_frame(self.surface, point, self.up)
-                    lay_square(self.surface, frame, self.em_mm, self._brush)
+                    lay_square(self.surface, frame, self.em_mm, self.for_brush)
                 except InputError:
                     return False
                 return True
 
-            self._free[height] = self._ring_at(height).find_arc(
-                self._brush.room_mm, (0.0,), is_free,
+            self.free[height] = self._ring_at(height).find_arc(
+                self.for_brush.room_mm, (0.0,), is_free,
                 placed=self.layout.is_placed, centred=self.layout.at is not None,
             )  # fmt: skip
-        return self._free[height]
+        return self.free[height]
 
     def _ring_at(self, height: float) -> Ring:
         if height not in self._rings:
-            right, left = (self._level(height, sign) for sign in (1.0, -1.0))
+            right, left = (self._level_line(height, sign) for sign in (1.0, -1.0))
             self._rings[height] = Ring(self.surface, right, left, self.up.up, self.em_mm)
         return self._rings[height]
 
@@ -369,14 +351,14 @@ class _Sheet:
         """A page drawn out until it goes all around the body."""
         left, _, right, _ = page.bounds
         gap = self.layout.gap * EM_UNITS
-        wanted = self._ring(0.0, right - left + gap)
+        wanted = self._ring_length(0.0, right - left + gap)
         more = wanted / (right - left + gap)
         spread = [Piece(one.glyph, (more * one.at[0], one.at[1])) for one in page.pieces]
         left, _, right, _ = bounds_of(one.box for one in spread)
         pieces = [Piece(one.glyph, (one.at[0] - 0.5 * (left + right), one.at[1])) for one in spread]
         return replace(page, pieces=tuple(pieces))
 
-    def _ribbon(self, page: Page, move: float) -> Page:
+    def _wrap_around(self, page: Page, move: float) -> Page:
         """A page of words all around the body, as often as it goes round.
 
         The room that is left is shared evenly by the gaps between words; a copy's middle lies at
@@ -393,7 +375,7 @@ class _Sheet:
         for line, words in lines.items():
             left, _, right, _ = bounds_of(box for boxes in words.values() for box in boxes)
             widths[line] = right - left
-            rings[line] = self._ring(rings[line], widths[line] + seam)
+            rings[line] = self._ring_length(rings[line], widths[line] + seam)
         copies = min(int(rings[line] * (1.0 + _ROUNDING) / (widths[line] + seam)) for line in lines)
         shifts: dict[tuple[int, int], float] = {}
         for line, words in lines.items():
@@ -410,7 +392,7 @@ class _Sheet:
                 pieces.append(replace(piece, at=(x, piece.at[1])))
         return replace(page, pieces=tuple(pieces))
 
-    def _ring(self, height: float, least: float) -> float:
+    def _ring_length(self, height: float, least: float) -> float:
         """Length of the level line so many mm above the middle, glyph units.
 
         Raises
@@ -433,7 +415,7 @@ class _Sheet:
         left, lower, right, upper = page.bounds
         x = self.scale * (piece.at[0] - (0.0 if self.layout.around else 0.5 * (left + right)))
         y = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
-        frame = upright_frame(self.surface, self._point_at(x, round(y, 6), right - left), self.up)
+        frame = self.frame(self._point_at(x, round(y, 6), right - left))
         box = piece.glyph.box
         size = self.scale * (box[2] - box[0]), self.scale * (box[3] - box[1])
         square = lay_square(self.surface, frame, self.em_mm, self.limits, size)
@@ -443,32 +425,23 @@ class _Sheet:
         """The point (3,) so many mm right of the place and above it, of a page of a width."""
         if self.layout.around:
             return self._ring_at(height).at(x)
-        level = self._level(height, 1.0)
+        level = self._level_line(height, 1.0)
         if not level.closed and x < 0.0:
-            level, x = self._level(height, -1.0), -x
+            level, x = self._level_line(height, -1.0), -x
         too_wide = self.scale * width > level.length * (1.0 + _ROUNDING)
         if too_wide if level.closed else x > level.length:
-            raise self._line_ends()
+            raise self.surface_ends_error()
         return level.at(x)
 
-    def _level(self, height: float, sign: float) -> SurfaceLine:
+    def _level_line(self, height: float, sign: float) -> SurfaceLine:
         """The level line to the right, or with -1 to the left, so many mm above the middle."""
         if (height, sign) not in self._levels:
-            climb = self._climb(math.copysign(1.0, height))
+            climb = self.climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
-                raise self._line_ends()
-            frame = upright_frame(self.surface, climb.at(abs(height)), self.up)
-            self._levels[height, sign] = self._walk(frame, (sign, 0.0))
+                raise self.surface_ends_error()
+            frame = self.frame(climb.at(abs(height)))
+            self._levels[height, sign] = self.walk(frame, (sign, 0.0))
         return self._levels[height, sign]
-
-    def _climb(self, sign: float) -> SurfaceLine:
-        """The line straight up from the middle, or with -1 straight down."""
-        if sign not in self._climbs:
-            self._climbs[sign] = self._walk(self.middle, (0.0, sign))
-        return self._climbs[sign]
-
-    def _walk(self, start: SurfaceFrame, bearing: tuple[float, float]) -> SurfaceLine:
-        return walk(self.surface, start, self.up, bearing, None, walking_step(self.em_mm))
 
 
 def _words_of(page: Page) -> dict[int, dict[int, list[Box]]]:

@@ -28,7 +28,6 @@ __all__ = [
     "digest_of",
     "fill_rings",
     "polygons_of",
-    "rings_of",
 ]
 
 # ---- Ink -----------------------------------------------------------------------------------------
@@ -90,12 +89,6 @@ def as_multipolygon(shape: Geometry) -> MultiPolygon:
     from shapely import MultiPolygon
 
     return MultiPolygon(polygons_of(shape))
-
-
-def rings_of(polygon: Polygon) -> tuple[NDArray[np.float64], Iterable[NDArray[np.float64]]]:
-    """The outer ring (N, 2) and the holes of a polygon; the last point is not the first again."""
-    outer = np.asarray(polygon.exterior.coords, np.float64)[:-1]
-    return outer, tuple(np.asarray(ring.coords, np.float64)[:-1] for ring in polygon.interiors)
 
 
 # ---- Pages ---------------------------------------------------------------------------------------

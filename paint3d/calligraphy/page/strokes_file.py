@@ -42,7 +42,7 @@ def save_strokes(page: Page, file: Path) -> None:
     if page.photograph is not None:
         head["photograph"] = _photograph_words(page.photograph, file)
     lines = [f"{json.dumps(key)}: {_as_json(value)}," for key, value in head.items()]
-    body = ",\n".join(_piece_text(piece) for piece in pieces)
+    body = ",\n".join(_write_piece(piece) for piece in pieces)
     with write_atomically(file) as part:
         text = "{\n" + "\n".join(lines) + f'\n"pieces": [\n{body}\n]\n}}\n'
         part.write_text(text, encoding="utf-8")
@@ -66,7 +66,7 @@ def _photograph_words(photograph: Photograph, file: Path) -> dict[str, Any]:
     }
 
 
-def _piece_text(piece: dict[str, Any]) -> str:
+def _write_piece(piece: dict[str, Any]) -> str:
     """A piece as JSON, one stroke a line."""
     strokes = ",\n  ".join(json.dumps(stroke) for stroke in piece["strokes"])
     head = _as_json({k: v for k, v in piece.items() if k != "strokes"})

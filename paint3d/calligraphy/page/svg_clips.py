@@ -13,7 +13,16 @@ from copy import deepcopy
 from xml.etree import ElementTree
 from xml.etree.ElementTree import Element
 
-__all__ = ["CLIPS", "HREFS", "SHAPES", "mark_clipped", "tag_like", "tag_of"]
+__all__ = [
+    "CLIPS",
+    "HREFS",
+    "SHAPES",
+    "elements_by_id",
+    "mark_clipped",
+    "reference_of",
+    "tag_like",
+    "tag_of",
+]
 
 CLIPS = "data-paint3d-clips"
 """The attribute with the places, in what `mark_clipped` returns, of all paths that clip a shape."""
@@ -45,7 +54,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
     set of str
         What clips and is no such path: its words.
     """
-    named = {key: element for element in root.iter() if (key := element.get("id"))}
+    named = elements_by_id(root)
     if any(map(_property_of, root.iter())):
         _put_in_place(root, named)
     paths: list[bytes] = []
@@ -81,8 +90,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
 def _put_in_place(element: Element, named: dict[str, Element]) -> None:
     """Put what is used into the place of its uses, where it may be clipped otherwise."""
     for k, child in enumerate(element):
-        href = next(filter(None, map(child.get, HREFS)), "")
-        used = named.get(href.lstrip("#")) if tag_of(child) == "use" else None
+        used = named.get(reference_of(child)) if tag_of(child) == "use" else None
         if used is not None:
             group = Element(
                 tag_like(child, "g"), {k: v for k, v in child.attrib.items() if k not in _USING}
@@ -124,11 +132,11 @@ def _drawing(place: Sequence[Element], path: Element, named: dict[str, Element])
     moved = {"transform": path.get("transform", "")}
     at = ElementTree.SubElement(at, tag_like(path, "g"), moved)
     rule = _rule_of(path)
-    at.extend(filled for child in path for filled in _as_filled(child, rule, named, 0))
+    at.extend(filled for child in path for filled in _fill_element(child, rule, named, 0))
     return ElementTree.tostring(drawing)
 
 
-def _as_filled(
+def _fill_element(
     element: Element, rule: str, named: dict[str, Element], depth: int
 ) -> Sequence[Element]:
     """An element of a clip path as it is filled; a use as what it is of."""
@@ -142,23 +150,33 @@ def _as_filled(
         return ()
     kept = {k: v for k, v in element.attrib.items() if k not in _LOOKS}
     if tag_of(element) == "use":
-        used = named.get(next(filter(None, map(element.get, HREFS)), "#").lstrip("#"))
+        used = named.get(reference_of(element))
         if used is None:
             return ()
         group = Element(tag_like(element, "g"), {"transform": _transform(element)})
-        group.extend(_as_filled(used, rule, named, depth + 1))
+        group.extend(_fill_element(used, rule, named, depth + 1))
         return (group,)
     copy = Element(element.tag, {**kept, "fill": "#000", "stroke": "none"})
     if rule:
         copy.set("fill-rule", rule)
     for child in element:
-        copy.extend(_as_filled(deepcopy(child), rule, named, depth + 1))
+        copy.extend(_fill_element(deepcopy(child), rule, named, depth + 1))
     return (copy,)
 
 
 def _rule_of(element: Element) -> str:
     styled = _RULE.search(element.get("style", ""))
     return styled[1] if styled else element.get("clip-rule", "")
+
+
+def elements_by_id(root: Element) -> dict[str, Element]:
+    """The elements of a drawing that have an id, by it."""
+    return {key: element for element in root.iter() if (key := element.get("id"))}
+
+
+def reference_of(element: Element) -> str:
+    """The id that an element refers to; "" for none."""
+    return next(filter(None, map(element.get, HREFS)), "").lstrip("#")
 
 
 def tag_of(element: Element) -> str:

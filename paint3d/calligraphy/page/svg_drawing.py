@@ -33,21 +33,22 @@ from paint3d.calligraphy.page.page import (
     bounds_of,
     fill_rings,
     polygons_of,
-    rings_of,
 )
 from paint3d.calligraphy.page.svg_clips import (
     CLIPS,
     HREFS,
     SHAPES,
+    elements_by_id,
     mark_clipped,
+    reference_of,
     tag_like,
     tag_of,
 )
 from paint3d.calligraphy.page.svg_lengths import in_numbers
-from paint3d.calligraphy.polyline import arc_lengths, bezier_points
 from paint3d.calligraphy.shapes.decompose import decompose, thinnest_within
 from paint3d.core.arrays import AnyArray
 from paint3d.core.foreign_xml import XmlFault, parse_xml
+from paint3d.core.polyline import arc_lengths, bezier_points, interpolate
 from paint3d.errors import InputError, Message
 
 if TYPE_CHECKING:
@@ -146,7 +147,7 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
         elif attribute == "style":
             yield from _faults_of_style(value)
         elif attribute == "transform" and value.lower() not in _KEYWORDS:
-            left = _TRANSFORM.sub(_unless_finite, value).strip(", \t\r\n")
+            left = _TRANSFORM.sub(_find_infinite, value).strip(", \t\r\n")
             if left:
                 yield _fault_within(attribute, left, Message("transforms of finite numbers"))
         elif attribute == "viewBox" and tag in _VIEWS and value.lower() != "none":
@@ -161,7 +162,7 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
             yield from _faults_of_list(
                 attribute, value, _WAY, Message("commands of paths, finite numbers")
             )
-            yield from _faults_of_way(value)
+            yield from _faults_of_path(value)
 
 
 def _is_view(value: str) -> bool:
@@ -226,7 +227,7 @@ def _faults_of_list(
         yield _fault_within(attribute, bad, expected)
 
 
-def _faults_of_way(text: str) -> Iterator[Message]:
+def _faults_of_path(text: str) -> Iterator[Message]:
     """Place at which a path of good words breaks off, or does not begin."""
     before, *parts = _SIGNED.split(text)
     if before.strip() or parts[0] not in "Mm":
@@ -243,7 +244,7 @@ def _faults_of_way(text: str) -> Iterator[Message]:
             )
 
 
-def _unless_finite(call: re.Match[str]) -> str:
+def _find_infinite(call: re.Match[str]) -> str:
     """A transform whose numbers are not all finite; "" of any other."""
     finite = all(math.isfinite(float(number)) for number in _NUMBER.findall(call[0]))
     return "" if finite else call[0]
@@ -316,7 +317,7 @@ def _external_references(name: str, reference: str) -> InputError:
 
 def _count(root: ElementTree.Element, name: str) -> None:
     """Refuse a drawing with too many elements once what it uses stands in its place."""
-    named = {key: element for element in root.iter() if (key := element.get("id"))}
+    named = elements_by_id(root)
     sizes: dict[ElementTree.Element, int] = {}
     open_now: set[ElementTree.Element] = set()
 
@@ -331,8 +332,8 @@ def _count(root: ElementTree.Element, name: str) -> None:
             open_now.add(element)
             total = 1 + sum(size(child) for child in element)
             if tag_of(element) == "use":
-                used = next(filter(None, map(element.get, HREFS)), "#").lstrip("#")
-                total += size(named[used]) if used in named else 0
+                used = named.get(reference_of(element))
+                total += 0 if used is None else size(used)
             open_now.discard(element)
             sizes[element] = total
         return sizes[element]
@@ -375,8 +376,7 @@ def in_place(root: Element) -> Element:
     Element
         The root of another one that draws the same.
     """
-    named = {key: element for element in root.iter() if (key := element.get("id"))}
-    return _place_element(root, named)
+    return _place_element(root, elements_by_id(root))
 
 
 def _place_element(element: Element, named: dict[str, Element]) -> Element:
@@ -398,8 +398,7 @@ def _place_element(element: Element, named: dict[str, Element]) -> Element:
 
 def _used_element(use: Element, named: dict[str, Element]) -> Element | None:
     """The symbol or drawing that a use is of; none where it is of something else."""
-    href = next(filter(None, map(use.get, HREFS)), "#")
-    used = named.get(href.lstrip("#"))
+    used = named.get(reference_of(use))
     return used if used is not None and tag_of(used) in ("svg", "symbol") else None
 
 
@@ -631,7 +630,7 @@ def _read_inks(
                 name=name,
                 label=label,
             )
-        for points, _ in lines:  # of some curves the boxes do not tell
+        for points, _ in lines:  # the boxes of some curves are too small
             _check_reach(name, points)
         for ink in _inks(lines, one, label):
             kept = ink if clips is None else clips.cut(ink, one.shape)
@@ -858,14 +857,14 @@ def _runs(inks: Sequence[_Ink]) -> list[tuple[list[_Ink], Box]]:
     """Inks that follow each other and are laid as one, each with the box that it is laid by."""
     group_of: dict[int, int] = {}
     boxes = []
-    for k, group in enumerate(_together(inks)):
+    for k, group in enumerate(_group_overlapping(inks)):
         boxes.append(bounds_of(ink.shape.bounds for ink in group))
         group_of |= {id(ink): k for ink in group}
     runs = groupby(inks, lambda ink: group_of[id(ink)])
     return [(list(run), boxes[k]) for k, run in runs]
 
 
-def _together(inks: Sequence[_Ink]) -> list[list[_Ink]]:
+def _group_overlapping(inks: Sequence[_Ink]) -> list[list[_Ink]]:
     """Groups of inks whose boxes overlap."""
     groups: list[list[_Ink]] = []
     for ink in inks:
@@ -891,8 +890,7 @@ def _strokes(ink: _Ink) -> list[GlyphStroke]:
     if ink.line is None:
         taken = _decompose_ink(ink)
     elif len(ink.shape.geoms) == 1:
-        outer, holes = rings_of(ink.shape.geoms[0])
-        taken = [GlyphStroke(outer, _extend_closed(ink), tuple(holes))]
+        taken = [GlyphStroke.filling(ink.shape.geoms[0], _extend_closed(ink))]
     else:  # white has cut it
         taken = _decompose_ink(ink)
     if not any(is_wide(stroke) for stroke in taken):
@@ -932,6 +930,6 @@ def _extend_closed(ink: _Ink) -> AnyArray:
         return ink.line
     way = arc_lengths(ink.line)
     after = np.flatnonzero((way > 0.0) & (way < 0.5 * ink.width))
-    last = [np.interp(0.5 * ink.width, way, ink.line[:, k]) for k in range(2)]
-    result: AnyArray = np.concatenate([ink.line, ink.line[after], [last]])
+    last = interpolate([0.5 * ink.width], way, ink.line)
+    result: AnyArray = np.concatenate([ink.line, ink.line[after], last])
     return result

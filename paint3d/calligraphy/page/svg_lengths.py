@@ -66,16 +66,17 @@ def in_numbers(root: Element) -> None:
                 if name in element.attrib:
                     element.set(name, _resolve_length(element.get(name, ""), name, place))
         if "style" in element.attrib:
-            element.set("style", _style(element.get("style", ""), place))
+            element.set("style", _resolve_width(element.get("style", ""), place))
         if tag in _VIEWS:
             width, height = _view_of(element, place.width, place.height, place.font)
             place = place._replace(width=width, height=height)
         stack += [(child, place) for child in element]
 
 
-def _style(text: str, place: _Place) -> str:
+def _resolve_width(style: str, place: _Place) -> str:
+    """A style whose width of strokes is a number, if it was a relative one."""
     return _STYLED.sub(
-        lambda found: found[1] + _resolve_length(found[2], "stroke-width", place), text
+        lambda found: found[1] + _resolve_length(found[2], "stroke-width", place), style
     )
 
 

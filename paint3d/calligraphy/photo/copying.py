@@ -45,10 +45,10 @@ from paint3d.calligraphy.photo.sheet import (
     white_on_dark,
     whole_picture,
 )
-from paint3d.calligraphy.polyline import line_length, signed_area
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.colour.spectra import srgb_from_linear
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length, signed_area
 from paint3d.errors import InputError, Message
 
 if TYPE_CHECKING:
@@ -280,7 +280,9 @@ def _characters(ink: InkMask, asked: Asked) -> list[Character]:
     if len(kept) == len(shapes):
         return found
     if not kept:
-        raise InputError("all ink on the sheet is in smaller bits than that; expected some strokes")
+        raise InputError(
+            "all pieces of ink on the sheet are smaller than that; expected a smaller least size"
+        )
     return characters_of(kept, ink.width, asked.lines, columns=asked.columns)
 
 
@@ -406,14 +408,14 @@ def _set_strengths(
     strong = []
     for piece, own in zip(pieces, taken, strict=True):
         strokes = tuple(
-            replace(stroke, strength=_strength(t / black))
+            replace(stroke, strength=_round_strength(t / black))
             for stroke, t in zip(piece.glyph.strokes, own, strict=True)
         )
         strong.append(replace(piece, glyph=replace(piece.glyph, strokes=strokes)))
     return strong
 
 
-def _strength(share: float) -> float:
+def _round_strength(share: float) -> float:
     """A share of what black ink takes as a stroke says it; what is nearly black is."""
     return 1.0 if share > _NEARLY else max(round(share, 3), LEAST_STRENGTH)
 

@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyphs import GlyphStroke
 from paint3d.calligraphy.kernels.raster import fill_polygon
-from paint3d.calligraphy.polyline import line_length
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, interpolate, line_length
 
 __all__ = ["dryness_along", "region_of", "stations_along", "strength_of"]
 
@@ -27,11 +27,9 @@ def stations_along(median: AnyArray, width: float, n: int | None = None) -> NDAr
 
     There are as many as a stroke of that width needs, or `n`.
     """
-    steps = np.linalg.norm(np.diff(median, axis=0), axis=1)
-    way = np.concatenate([[0.0], np.cumsum(steps)])
+    way = arc_lengths(median)
     n = n or min(max(math.ceil(way[-1] / max(_APART * width, 1e-9)), _FEWEST), _MOST)
-    at = (np.arange(n) + 0.5) / n * way[-1]
-    return np.column_stack([np.interp(at, way, median[:, axis]) for axis in (0, 1)])
+    return interpolate((np.arange(n) + 0.5) / n * way[-1], way, median)
 
 
 def dryness_along(

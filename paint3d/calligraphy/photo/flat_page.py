@@ -72,13 +72,7 @@ class FlatPage:
 
 def on_sheet(stroke: GlyphStroke, per_unit: float, origin: AnyArray) -> GlyphStroke:
     """A stroke in pixels of a sheet, y down; see `FlatPage`."""
-
-    def back(points: AnyArray) -> NDArray[np.float64]:
-        on: NDArray[np.float64] = per_unit * _flip(points) + origin
-        return on
-
-    holes = tuple(back(hole) for hole in stroke.holes)
-    return GlyphStroke(back(stroke.outline), back(stroke.median), holes)
+    return stroke.mapped(lambda points: per_unit * _flip(points) + origin)
 
 
 def _flip(points: AnyArray) -> NDArray[np.float64]:

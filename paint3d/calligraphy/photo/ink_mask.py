@@ -67,7 +67,7 @@ def bodies_in(mask: NDArray[np.bool_], faint: NDArray[np.bool_], width: float) -
     streaks = _streaks(mask, width)
     near = _streak_fraction(streaks, _SOME_NEAR * width)
     inked = mask | (faint & (near > _FAINT_BODY))
-    inked |= _between_hairs(inked, near > _SOME, width)
+    inked |= _gaps_between_hairs(inked, near > _SOME, width)
     closed = inked | _close_gaps(inked, _NOTCH * 0.5 * width)
     closed |= _close_gaps(inked, _GAP * 0.5 * width) & (near > _ANY)
     many = _streak_fraction(streaks, _MANY_NEAR * width) > _MANY
@@ -147,7 +147,7 @@ def _streak_fraction(streaks: AnyArray, reach: float) -> NDArray[np.float32]:
     return result
 
 
-def _between_hairs(inked: AnyArray, where: AnyArray, width: float) -> NDArray[np.bool_]:
+def _gaps_between_hairs(inked: AnyArray, where: AnyArray, width: float) -> NDArray[np.bool_]:
     """Bare places that have ink before and behind them on the way of the hairs."""
     from scipy.ndimage import distance_transform_edt
 

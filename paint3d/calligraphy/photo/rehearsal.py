@@ -75,7 +75,7 @@ def _correct_strengths(
 ) -> NDArray[np.float64]:
     """Strengths (N,) with as much less water as the strokes' densities came out too low."""
     assert written.strength is not None, "it was looked at"
-    assert written.stroke is not None, "it is told with the strength"
+    assert written.stroke is not None, "it comes with the strength"
     asked, got = strength_of_both(sheet, painted)
     factor = np.ones(len(got))  # of a stroke that left no ink to be seen nothing is known
     there = got > 0.0

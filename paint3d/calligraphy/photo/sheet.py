@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from paint3d.calligraphy.photo.ink_mask import otsu
 from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import cross_2d
 from paint3d.errors import InputError
 
 if TYPE_CHECKING:
@@ -101,7 +102,7 @@ def sheet_size(corners: AnyArray, shape: tuple[int, int], longest: int) -> tuple
 
 
 def _ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
-    """Width over height of a sheet, where the perspective is strong enough to tell."""
+    """Width over height of a sheet, where the perspective is strong enough."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     size = max(shape)
     matrix = homography(square, (corners - 0.5 * np.array(shape[::-1])) / size)
@@ -346,7 +347,7 @@ def _four_corners(ring: AnyArray) -> NDArray[np.float64] | None:
             meet = _intersect(a, b, d, c)
             if meet is None:
                 continue
-            grown = 0.5 * abs(_cross(c - b, meet - b))
+            grown = 0.5 * abs(float(cross_2d(c - b, meet - b)))
             if grown < least:
                 best, least = (k, meet), grown
         if best is None:
@@ -357,22 +358,25 @@ def _four_corners(ring: AnyArray) -> NDArray[np.float64] | None:
     return ring if len(ring) == 4 else None
 
 
-def _cross(a: AnyArray, b: AnyArray) -> float:
-    return float(a[0] * b[1] - a[1] * b[0])
-
-
 def _intersect(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray | None:
     """Intersection of the lines from a through b and from d through c, beyond b and c."""
     along, other = b - a, c - d
-    turn = _cross(along, other)
+    turn = cross_2d(along, other)
     if abs(turn) < 1e-9:
         return None
-    t = _cross(d - a, other) / turn
-    s = _cross(d - a, along) / turn
+    t = cross_2d(d - a, other) / turn
+    s = cross_2d(d - a, along) / turn
     return a + t * along if t >= 1.0 - 1e-9 and s >= 1.0 - 1e-9 else None
 
 
 # -- judging and drawing the sides --------------------------------------------------------------
+
+
+def _side_normal(start: AnyArray, end: AnyArray) -> AnyArray:
+    """Unit vector (2,) across a side, outwards."""
+    way = end - start
+    normal: AnyArray = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+    return normal
 
 
 def _sample_across(planes: _Planes, start: AnyArray, end: AnyArray, offsets: AnyArray) -> AnyArray:
@@ -380,8 +384,7 @@ def _sample_across(planes: _Planes, start: AnyArray, end: AnyArray, offsets: Any
     from scipy.ndimage import map_coordinates
 
     share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
-    way = end - start
-    normal = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+    way, normal = end - start, _side_normal(start, end)
     places = (start + share[:, None] * way)[:, None] + offsets[None, :, None] * normal
     at = places[..., ::-1].reshape(-1, 2).T - 0.5
     values = [map_coordinates(plane, at, order=1, mode="nearest") for plane in planes.planes]
@@ -450,8 +453,7 @@ def _fit_side(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> 
     weight = np.minimum(weight, np.median(weight))  # a seal is stronger, but only in some places
     share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
     slope, height = _line_through(share, best, weight, 0.25 * reach)
-    way = end - start
-    normal = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+    normal = _side_normal(start, end)
     return np.array([start + height * normal, end + (height + slope) * normal])
 
 
@@ -494,10 +496,10 @@ def _line_through(x: AnyArray, y: AnyArray, weight: AnyArray, near: float) -> tu
 def _cross_lines(one: AnyArray, other: AnyArray) -> AnyArray | None:
     a, b = one
     c, d = other
-    turn = _cross(b - a, d - c)
+    turn = cross_2d(b - a, d - c)
     if abs(turn) < 1e-9:
         return None
-    met: AnyArray = a + _cross(c - a, d - c) / turn * (b - a)
+    met: AnyArray = a + cross_2d(c - a, d - c) / turn * (b - a)
     return met
 
 
@@ -641,7 +643,7 @@ def blur_matrix(n: int, sigma: float) -> NDArray[np.float64]:
 # What a photograph hides of its sheet: highlights and black shadows.
 
 
-_CLIPPED = 0.985  # linear light of all three colours: nothing is told above it
+_CLIPPED = 0.985  # linear light of all three colours: above it nothing is distinguished
 _BRIGHTER = 1.25  # than the sheet's own paper: a highlight, not paper that is exposed so
 _GLARE, _BLACK_SHADOW = 0.02, 0.05  # of the sheet, that may be hidden
 _LIT = 0.4  # of the sheet: what is lighter than the rest, and less than that, is no paper

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from paint3d.core.arrays import AnyArray, dots_of, lengths_of
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, make_chart, unroll
+from paint3d.mesh.chart import SurfaceChart, SurfaceFrame, lattice, make_chart, unroll
 from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.pores import even_exp
@@ -130,7 +130,7 @@ def find_impression(
             cause=cause,
         ) from None
     stone = _Stone(rings)
-    would_touch = _touched(chart, stone, pressing)
+    would_touch = _measure_touched(chart, stone, pressing)
     if would_touch < _LEAST_TOUCHED:
         raise InputError(
             "the seal would touch {percent:.0f} % of what it is to print: the surface falls away "
@@ -143,13 +143,13 @@ def find_impression(
         raise InputError("the seal meets no vertex of the surface; expected another place")
     inside = stone.within(xy)
     wide = np.sqrt(surface.vertex_areas[ids])
-    inside = inside - pressing.wear * _worn(xy, half, pressing.seed)
+    inside = inside - pressing.wear * _wear_at(xy, half, pressing.seed)
     soft = np.maximum(_EDGE * wide, _SOFT_MM)
     share = np.clip(0.5 + 0.5 * inside / soft, 0.0, 1.0)
     wanted = share.sum()
     firm = _firmness(chart, xy, pressing.pad_mm)
     bare = _patches(xy, pressing.seed)
-    thick = 1.0 + _RIDGE * _fading(np.maximum(inside, 0.0) / _RIDGE_MM) + bare[0]
+    thick = 1.0 + _RIDGE * _decay(np.maximum(inside, 0.0) / _RIDGE_MM) + bare[0]
     share *= np.clip(firm / _FIRM, 0.0, 1.0) * np.clip(1.0 - pressing.wear * bare[1], 0.0, 1.0)
     thick *= 0.55 + 0.45 * firm
     touched = float(share.sum() / max(wanted, 1e-9))
@@ -159,14 +159,13 @@ def find_impression(
     return Impression(ids[kept], coats.astype(np.float32), covered.astype(np.float32), touched)
 
 
-def _touched(chart: SurfaceChart, stone: _Stone, pressing: Pressing) -> float:
+def _measure_touched(chart: SurfaceChart, stone: _Stone, pressing: Pressing) -> float:
     """How much of the stone's ink would meet the surface, 0 to 1, before that is refined."""
-    reach = np.array([chart.half_width, chart.half_height])
-    x, y = np.meshgrid(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach), indexing="ij")
-    lattice = np.stack([x.ravel(), y.ravel()], axis=1)
+    reach = chart.reach
+    places = lattice(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach))
     soft = max(_EDGE * (2.0 * reach.max() / _ACROSS), _SOFT_MM)
-    share = np.clip(0.5 + 0.5 * stone.within(lattice) / soft, 0.0, 1.0)
-    firm = np.clip(_firmness(chart, lattice, pressing.pad_mm) / _FIRM, 0.0, 1.0)
+    share = np.clip(0.5 + 0.5 * stone.within(places) / soft, 0.0, 1.0)
+    firm = np.clip(_firmness(chart, places, pressing.pad_mm) / _FIRM, 0.0, 1.0)
     return float((share * firm).sum() / max(share.sum(), 1e-9))
 
 
@@ -184,10 +183,9 @@ def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> Non
     mesh = surface.paint_mesh
     fields = mesh.arrays
     size = fields.cell_size
-    reach = np.array([chart.half_width, chart.half_height])
+    reach = chart.reach
     counts = np.ceil(2.0 * reach / (0.5 * size)).astype(int) + 2
-    axes = [np.linspace(-r, r, n) for r, n in zip(reach, counts, strict=True)]
-    grid = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, 2)
+    grid = lattice(*(np.linspace(-r, r, n) for r, n in zip(reach, counts, strict=True)))
     middles = fields.origin + (fields.cell_place + 0.5) * size
     near = cKDTree(chart.points(grid)).query(middles, distance_upper_bound=1.2 * size)[0]
     cells = np.flatnonzero(np.isfinite(near)).astype(np.int64)
@@ -210,7 +208,7 @@ def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> Non
 def _vertices_under(surface: PaintedSurface, chart: SurfaceChart) -> tuple[AnyArray, AnyArray]:
     """Vertices (N,) on the chart's own sheet of surface, and where on it they are (N, 2)."""
     vertices = surface.paint_mesh.vertices.astype(np.float64)
-    radius = math.hypot(chart.half_width, chart.half_height) + 1.0
+    radius = math.hypot(*chart.reach) + 1.0
     ids = np.flatnonzero(lengths_of(vertices - chart.frame.origin) <= radius)
     xy = unroll(chart, vertices[ids])
     known = np.isfinite(xy).all(axis=1)
@@ -280,18 +278,18 @@ class _Stone:
         return result
 
 
-def _fading(x: AnyArray) -> AnyArray:
+def _decay(x: AnyArray) -> AnyArray:
     """e to the power of -x."""
     return even_exp(-np.minimum(x, 700.0))
 
 
-def _worn(xy: AnyArray, half: AnyArray, seed: int) -> AnyArray:
+def _wear_at(xy: AnyArray, half: AnyArray, seed: int) -> AnyArray:
     """Wear (mm) of what was cut: little everywhere, more along the rim."""
     ragged = _RAGGED_MM * (_noise(xy, _ROUGH_MM, seed) + 0.7 * _noise(xy, 0.3, seed + 1))
     from_rim = (half - _MARGIN_MM - np.abs(xy)).min(axis=1)
     knocked = np.maximum(_noise(xy, _CHIP_MM, seed + 2) - _CHIP_FROM, 0.0)
-    corner = _fading(np.abs(half - _MARGIN_MM - np.abs(xy)).max(axis=1) / 1.2)
-    depth = knocked * 1.6 * _fading(np.maximum(from_rim, 0.0) / 0.5)
+    corner = _decay(np.abs(half - _MARGIN_MM - np.abs(xy)).max(axis=1) / 1.2)
+    depth = knocked * 1.6 * _decay(np.maximum(from_rim, 0.0) / 0.5)
     result: AnyArray = ragged + depth + 0.18 * corner * (1.0 + _noise(xy, _ROUGH_MM, seed + 3))
     return result
 
@@ -310,14 +308,14 @@ def _noise(xy: AnyArray, cell_mm: float, seed: int) -> AnyArray:
     share = at - corner
     share = share * share * (3.0 - 2.0 * share)
     cell = corner.astype(np.int64)
-    values = [_scattered(cell[:, 0] + i, cell[:, 1] + j, seed) for i in (0, 1) for j in (0, 1)]
+    values = [_hash_lattice(cell[:, 0] + i, cell[:, 1] + j, seed) for i in (0, 1) for j in (0, 1)]
     low = values[0] + share[:, 1] * (values[1] - values[0])
     high = values[2] + share[:, 1] * (values[3] - values[2])
     result: AnyArray = low + share[:, 0] * (high - low)
     return result
 
 
-def _scattered(i: AnyArray, j: AnyArray, seed: int) -> AnyArray:
+def _hash_lattice(i: AnyArray, j: AnyArray, seed: int) -> AnyArray:
     """A number from -1 to 1 for each place of a lattice (splitmix64's finaliser)."""
     x = (i.astype(np.uint64) << np.uint64(32)) ^ (j.astype(np.uint64) & np.uint64(0xFFFFFFFF))
     x += np.uint64((0x9E3779B97F4A7C15 * (seed + 1)) % 2**64)

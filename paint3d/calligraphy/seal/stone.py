@@ -21,7 +21,7 @@ from paint3d.calligraphy.fonts.shaping import Shaper, Style
 from paint3d.calligraphy.fonts.typesetting import is_written_down
 from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
-from paint3d.calligraphy.page.page import as_multipolygon, rings_of
+from paint3d.calligraphy.page.page import as_multipolygon
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import InputError
 
@@ -114,7 +114,7 @@ def cut_known(
     shapes = [
         _draw_lines(glyphs[one], cell, style) for one, cell in zip(characters, cells, strict=True)
     ]
-    return _cut(text, style, size_mm, sides, shapes, source.licence)
+    return _cut_stone(text, style, size_mm, sides, shapes, source.licence)
 
 
 def cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str = "square") -> Seal:
@@ -143,7 +143,7 @@ def cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str =
         inks = [_line_of(one, font) for one in characters]
         cells, sides = _cells(len(characters), style, shape)
         shapes = [_stretch_into(ink, cell) for ink, cell in zip(inks, cells, strict=True)]
-        return _cut(text, style, size_mm, sides, shapes, font.licence)
+        return _cut_stone(text, style, size_mm, sides, shapes, font.licence)
     return _cut_whole(text.strip(), _line_of(text.strip(), font), style, size_mm, font.licence)
 
 
@@ -280,10 +280,10 @@ def _cut_whole(name: str, ink: Geometry, style: str, size_mm: float, licence: st
     sides = scale * extent + 2.0 * margin
     middle = 0.5 * np.array([left + right, lower + upper])
     shape = transform(ink, lambda points: scale * (points - middle))
-    return _cut(name, style, size_mm, (float(sides[0]), float(sides[1])), [shape], licence)
+    return _cut_stone(name, style, size_mm, (float(sides[0]), float(sides[1])), [shape], licence)
 
 
-def _cut(
+def _cut_stone(
     text: str,
     style: str,
     size_mm: float,
@@ -303,10 +303,11 @@ def _cut(
         inked = unary_union([stone.difference(stone.buffer(-_FRAME)), written])
     scale = size_mm / max(sides)
     face = transform(inked.simplify(_SIMPLER), lambda points: scale * points)
-    rings: list[NDArray[np.float64]] = []
-    for part in as_multipolygon(face).geoms:
-        outer, holes = rings_of(part)
-        rings += [outer, *holes]
+    rings = [
+        np.array(ring.coords)[:-1]
+        for part in as_multipolygon(face).geoms
+        for ring in (part.exterior, *part.interiors)
+    ]
     area, length = written.area, written.length
     return Seal(
         text=text,

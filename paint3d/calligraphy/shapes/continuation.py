@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.polyline import resample
 from paint3d.calligraphy.shapes.skeleton import Branch, Junction, Skeleton
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import resample
 
 __all__ = ["Chain", "End", "chains_of", "mates_of", "row_products", "turns_between"]
 

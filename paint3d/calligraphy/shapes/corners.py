@@ -13,11 +13,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.polyline import resample
 from paint3d.calligraphy.shapes.continuation import row_products, turns_between
 from paint3d.calligraphy.shapes.skeleton import Branch, Skeleton
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import resample
 
 __all__ = ["cut_at_corners", "cut_branch"]
 

@@ -14,7 +14,13 @@ from paint3d.calligraphy.shapes.continuation import Chain, chains_of
 from paint3d.calligraphy.shapes.corners import cut_at_corners
 from paint3d.calligraphy.shapes.dots import as_dot, dot_among, find_dots
 from paint3d.calligraphy.shapes.ductus import JoinedForm, in_writing_order
-from paint3d.calligraphy.shapes.regions import Ink, InkStroke, has_way, pieces_of, shared_out
+from paint3d.calligraphy.shapes.regions import (
+    Ink,
+    InkStroke,
+    complete_regions,
+    has_length,
+    pieces_of,
+)
 from paint3d.calligraphy.shapes.skeleton import skeleton_of
 from paint3d.calligraphy.shapes.transfer import (
     Fit,
@@ -209,27 +215,25 @@ def _decompose_by_shape(ink: Ink) -> list[InkStroke]:
     if dots:
         return dots
     cut_at_corners(ink.skeleton, ink.triangles, ink.half_widths)
-    chains = [one for one in chains_of(ink.skeleton, ink.half_widths) if has_way(one, ink)]
+    chains = [one for one in chains_of(ink.skeleton, ink.half_widths) if has_length(one, ink)]
     if not chains:
         return [as_dot(ink.shape)]
-    return shared_out(pieces_of(chains, ink), ink)
+    return complete_regions(pieces_of(chains, ink), ink)
 
 
 def _decompose_by_template(
     ink: Ink, labelled: list[tuple[Chain, int]]
 ) -> list[tuple[InkStroke, int | None]]:
     """The strokes of one connected shape as those of a known character."""
-    labelled = [(chain, stroke) for chain, stroke in labelled if has_way(chain, ink)]
+    labelled = [(chain, stroke) for chain, stroke in labelled if has_length(chain, ink)]
     dots = find_dots(ink)
     if dots or not labelled:
         return [(dot, None) for dot in dots or [as_dot(ink.shape)]]
-    pieces = shared_out(pieces_of((chain for chain, _ in labelled), ink), ink)
+    pieces = complete_regions(pieces_of((chain for chain, _ in labelled), ink), ink)
     return [(piece, stroke) for piece, (_, stroke) in zip(pieces, labelled, strict=True)]
 
 
 def _stroke(piece: InkStroke, low: NDArray[np.float64], size: float) -> GlyphStroke:
-    """A piece as a stroke of the outline's frame: rings without their last point."""
-    region = piece.region
-    rings = [np.array(ring.coords)[:-1] for ring in (region.exterior, *region.interiors)]
-    outer, line, *holes = (low + size * points for points in (rings[0], piece.line, *rings[1:]))
-    return GlyphStroke(outer, line, tuple(holes))
+    """A piece as a stroke of the outline's frame."""
+    stroke = GlyphStroke.filling(piece.region, piece.line)
+    return stroke.mapped(lambda points: low + size * points)

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.polyline import line_length
 from paint3d.calligraphy.shapes.regions import Ink, InkStroke
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length
 
 if TYPE_CHECKING:
     from shapely import Polygon

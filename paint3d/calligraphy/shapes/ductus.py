@@ -16,9 +16,9 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.glyph_sources import GlyphSource
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
-from paint3d.calligraphy.polyline import arc_lengths, signed_area
 from paint3d.calligraphy.shapes.regions import InkStroke
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, interpolate, signed_area
 
 if TYPE_CHECKING:
     from shapely import Polygon
@@ -141,11 +141,16 @@ def known_strokes(source: GlyphSource, text: str) -> tuple[Glyph, ...]:
 
 def _parse_strokes(lines: str) -> tuple[GlyphStroke, ...]:
     """The strokes of lines that are written as points "x,y x,y; x,y x,y"."""
-    strokes = [
-        np.array([[float(x) for x in point.split(",")] for point in line.split()])
-        for line in lines.split(";")
-    ]
-    return tuple(GlyphStroke(np.empty((0, 2)), line) for line in strokes)
+    return tuple(_without_outline(_parse_line(line)) for line in lines.split(";"))
+
+
+def _parse_line(line: str) -> NDArray[np.float64]:
+    """The points (N, 2) that are written as "x,y x,y"."""
+    return np.array([[float(x) for x in point.split(",")] for point in line.split()])
+
+
+def _without_outline(line: NDArray[np.float64]) -> GlyphStroke:
+    return GlyphStroke(np.empty((0, 2)), line)
 
 
 # ---- Arabic letters ------------------------------------------------------------------------------
@@ -155,7 +160,7 @@ def _parse_strokes(lines: str) -> tuple[GlyphStroke, ...]:
 # stem that is joined at its foot (the final alef) goes up, others go down; what is added to a body
 # (tah's stem, kaf's bar) comes after it, dots come last. These are the ways of M. Sakkal, *Arabic
 # alphabet chart in naskh style* (sakkal.com). Forms that hands write differently (the joined hah,
-# meem, heh) are not listed: the shape alone tells their way.
+# meem, heh) are not listed: their way follows from the shape alone.
 #
 # Lines go from 0 to 1 in the box of the letter's body, without its dots: the way from its entry on
 # the right to its exit on the left, then what is added.
@@ -299,29 +304,24 @@ def body_strokes(letters: Sequence[PlacedLetter]) -> Glyph | None:
     for one in letters:
         listed = _BY_LETTER.get(one.character, {}).get(one.form)
         found = found or listed is not None
-        lines = [_place_letter(line, one.box) for line in (listed or "1,.2 0,.2").split(";")]
+        low, size = one.box[:2], one.box[2:] - one.box[:2]
+        lines = [low + _parse_line(p) * size for p in (listed or "1,.2 0,.2").split(";")]
         way.append(lines[0])
         added += lines[1:]
     if not found:
         return None
     text = "".join(one.character for one in letters)
     lines = [np.concatenate(way), *added]
-    return Glyph(text, tuple(GlyphStroke(np.empty((0, 2)), line) for line in lines))
-
-
-def _place_letter(line: str, box: AnyArray) -> NDArray[np.float64]:
-    points = np.array([[float(x) for x in point.split(",")] for point in line.split()])
-    placed: NDArray[np.float64] = box[:2] + points * (box[2:] - box[:2])
-    return placed
+    return Glyph(text, tuple(map(_without_outline, lines)))
 
 
 # ---- Unknown characters --------------------------------------------------------------------------
 # Order and direction of strokes where nothing is known of the character.
 #
 # Strokes are drawn to the right and downwards, and out to their point, since a brush is set down
-# and lifted off: that tells a rising stroke from one that falls to the left. What stands apart is
-# written from the left to the right where it stands side by side, and from the top downwards
-# otherwise. A closed stroke begins at its top. Who writes from the right mirrors the shape before,
+# and lifted off: that distinguishes a rising stroke from one that falls to the left. What stands
+# apart is written from the left to the right where it stands side by side, else from the top
+# downwards. A closed stroke begins at its top. Who writes from the right mirrors the shape before,
 # and the strokes after; there letters run on along the line, joined, and what begins farther along
 # it is written later, however high.
 
@@ -342,7 +342,7 @@ _FIRST_STROKE = 0.06  # of the height, that level strokes are written before oth
 def directed(line: AnyArray, region: Polygon | None = None) -> NDArray[np.float64]:
     """A line (N, 2) in the direction that it is written in, by its stroke's taper, too, if given.
 
-    What is left over of a known letter is told by its line alone: it has no taper of its own.
+    What is left over of a known letter is judged by its line alone: it has no taper of its own.
     """
     if np.array_equal(line[0], line[-1]):
         return line if signed_area(line[:-1]) > 0.0 else line[::-1]  # leftwards first
@@ -358,8 +358,8 @@ def _taper(line: AnyArray, region: Polygon) -> float:
 
     way = arc_lengths(line)
     at = way[-1] * np.array([_NEAR_ENDS, np.subtract(1.0, _NEAR_ENDS)])
-    places = [np.interp(at.ravel(), way, line[:, axis]) for axis in (0, 1)]
-    away = shapely.distance(shapely.points(*places), region.boundary)
+    places = interpolate(at.ravel(), way, line)
+    away = shapely.distance(shapely.points(places), region.boundary)
     first, last = away.reshape(2, -1).sum(axis=1)
     if not (first > 0.0 and last > 0.0):  # a line outside of its region, which has none
         return 0.0

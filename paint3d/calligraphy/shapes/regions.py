@@ -13,17 +13,25 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.centre_line import smooth_along
 from paint3d.calligraphy.glyphs import GlyphStroke
-from paint3d.calligraphy.page.page import polygons_of, rings_of
-from paint3d.calligraphy.polyline import arc_lengths, line_length, resample
+from paint3d.calligraphy.page.page import polygons_of
 from paint3d.calligraphy.shapes.continuation import Chain
 from paint3d.calligraphy.shapes.skeleton import Junction, Skeleton
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, interpolate, line_length, resample
 
 if TYPE_CHECKING:
     from shapely import LineString, Polygon
 
-__all__ = ["Ink", "InkStroke", "has_way", "line_of", "pieces_of", "shared_out", "with_stubs"]
+__all__ = [
+    "Ink",
+    "InkStroke",
+    "complete_regions",
+    "has_length",
+    "line_of",
+    "pieces_of",
+    "with_stubs",
+]
 
 _LEFT_OUT, _LEFT_OUT_SHARE = 0.9, 0.35  # radii and share of a branch: straight through a junction
 _CALM = 0.35  # half widths that lines are smoothed over
@@ -73,21 +81,17 @@ def line_of(chain: Chain, ink: Ink) -> NDArray[np.float64]:
         way = arc_lengths(line)
         low = cut[0] if k > 0 or (chain.closed and n > 1) else 0.0
         high = way[-1] - (cut[1] if k + 1 < n or (chain.closed and n > 1) else 0.0)
-        parts.append(_line_between(line, way, low, high))
+        inner = line[(way > low) & (way < high)]
+        first, last = interpolate((low, high), way, line)
+        parts.append(np.concatenate([[first], inner, [last]]))
     joined = np.concatenate(parts)
     return np.concatenate([joined, joined[:1]]) if chain.closed and n > 1 else joined
 
 
-def has_way(chain: Chain, ink: Ink) -> bool:
+def has_length(chain: Chain, ink: Ink) -> bool:
     """Return whether a stroke has a length: junctions that fall together leave some without."""
     line = line_of(chain, ink)
     return bool(line_length(line) > _NO_WAY * ink.half_widths(line).max())
-
-
-def _line_between(line: AnyArray, way: AnyArray, low: float, high: float) -> NDArray[np.float64]:
-    ends = [[np.interp(at, way, line[:, k]) for k in range(2)] for at in (low, high)]
-    inner = line[(way > low) & (way < high)]
-    return np.concatenate([ends[:1], inner, ends[1:]])
 
 
 def pieces_of(chains: Iterable[Chain], ink: Ink) -> list[InkStroke]:
@@ -128,7 +132,7 @@ def _swept_area(branch: AnyArray, junction: Junction, line: AnyArray, ink: Ink) 
 
     way = arc_lengths(branch)
     clear = min(1.2 * junction.radius, 0.5 * way[-1])
-    outside = np.array([[np.interp(clear, way, branch[:, k]) for k in range(2)]])
+    outside = interpolate([clear], way, branch)
     half = float(min(ink.half_widths(outside)[0], junction.radius))
     near = shapely.union_all([shapely.Point(p).buffer(1.2 * r) for p, r in junction.members])
     path = shapely.LineString(line).intersection(near)
@@ -151,7 +155,7 @@ def _smooth_in_region(line: AnyArray, half: float, region: Polygon) -> NDArray[n
     return even if region.covers(shapely.LineString(even)) else line
 
 
-def shared_out(pieces: Sequence[InkStroke], ink: Ink) -> list[InkStroke]:
+def complete_regions(pieces: Sequence[InkStroke], ink: Ink) -> list[InkStroke]:
     """Make every region one polygon, and what no stroke has to the one it touches most."""
     import shapely
 
@@ -275,8 +279,7 @@ def _make_stub(part: Polygon, region: Polygon, line: LineString, half: float) ->
     if longest is None or not longest.length > _SHORTEST * half:
         return None
     ends = np.asarray(longest.coords)
-    outer, holes = rings_of(own)
-    return GlyphStroke(outer, np.linspace(ends[0], ends[-1], 9), tuple(holes))
+    return GlyphStroke.filling(own, np.linspace(ends[0], ends[-1], 9))
 
 
 def _direction(way: AnyArray) -> AnyArray:

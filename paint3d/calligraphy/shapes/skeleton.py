@@ -12,9 +12,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.polyline import arc_lengths, line_length
 from paint3d.calligraphy.shapes.triangles import Triangles
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import arc_lengths, line_length
 
 __all__ = ["Branch", "Junction", "Skeleton", "skeleton_of", "tidy"]
 

@@ -14,13 +14,13 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.polyline import line_length, resample
 from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, turns_between
 from paint3d.calligraphy.shapes.corners import cut_branch
 from paint3d.calligraphy.shapes.ductus import directed
 from paint3d.calligraphy.shapes.regions import Ink, InkStroke, line_of
 from paint3d.calligraphy.shapes.skeleton import Branch
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length, resample
 
 __all__ = [
     "STARTS",
@@ -175,7 +175,7 @@ _CORNER = 1.2  # widths that a right angle takes off that
 _SHORTEST = 0.8  # widths of a run of one stroke
 _TOGETHER, _ASUNDER = -90.0, 400.0  # degrees, for ends of the same stroke and of others
 _SKIPPED = 250.0  # degrees, for all of a stroke that lies between two ends of it
-_NEAR_END = 2.0  # widths of a branch that tell what its end lies on
+_NEAR_END = 2.0  # widths of a branch by which what its end lies on is found
 _SPUR = 1.5  # widths: what a stroke has besides its longest part is no part of it below that
 _AWAY = 0.25  # widths: the mean distance up to which a shape is the known character
 _COVERED, _MORE = 0.15, 1.2  # the same where all of the lines lie on it: it has serifs besides
@@ -484,7 +484,7 @@ def _change_in(
     low, high = np.maximum(0, inner - reach), np.minimum(len(points) - 1, inner + reach)
     turns[inner] = turns_between(points[inner] - points[low], points[high] - points[inner])
     price = _CHANGE - _CORNER * np.minimum(turns / 90.0, 1.0)
-    labels = _cheapest(known.costs(points) * _STEP, price)
+    labels = _cheapest_sequence(known.costs(points) * _STEP, price)
     shortest = max(1, round(_SHORTEST * known.width / max(step, 1e-12)))
     for k in (np.flatnonzero(np.diff(labels)) + 1).tolist():
         if shortest <= k <= len(points) - 1 - shortest:
@@ -494,7 +494,7 @@ def _change_in(
     return None
 
 
-def _cheapest(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
+def _cheapest_sequence(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
     """The cheapest sequence of strokes (N,) along a line with costs (N, K) and prices of change."""
     n, count = costs.shape
     total = costs[0].copy()
@@ -544,9 +544,9 @@ def in_known_order(
 
 
 def _runs_back(before: AnyArray, line: AnyArray, sure: float, width: float) -> bool:
-    """Return whether a stroke ends, not begins, where the pen is, and nothing tells that it does.
+    """Return whether a stroke ends, not begins, where the pen is, without evidence for it.
 
-    The smoother the pen would run on, the more has to tell it.
+    The smoother the pen would run on, the more evidence is needed.
     """
     away = np.linalg.norm(line[[0, -1]] - before[-1], axis=1)
     if not away[1] < _TOUCHING * width < away[0]:

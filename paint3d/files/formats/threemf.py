@@ -696,12 +696,9 @@ def _entry(name: str) -> zipfile.ZipInfo:
 
 def _weld(vertices: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
     """Return the different positions in the order of the vertices, and each vertex's one."""
-    from paint3d.mesh.kernels.topology import weld_positions
+    from paint3d.mesh.base_surface import weld
 
-    points = np.ascontiguousarray(vertices, np.float32) + np.float32(0.0)  # no minus zero
-    table = np.full(1 << (2 * len(points)).bit_length(), -1, np.int32)
-    place_of = np.empty(len(points), np.int32)
-    weld_positions(points.view(np.uint32), table, place_of)
+    points, place_of = weld(vertices)
     _, first = np.unique(place_of, return_index=True)
     return points[first], place_of
 

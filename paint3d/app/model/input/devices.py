@@ -52,7 +52,7 @@ DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "r
 """Actions of buttons that are commands of a `Document`; the others steer the object."""
 
 _SETTLE_NS = 10_000_000  # how long a device may be late before its readings are merged
-_REMEMBERED = 400  # readings of which the rate is told
+_REMEMBERED = 400  # readings that the rate is found from
 _LEFT = ("mouse",)
 
 log = logging.getLogger("paint3d")
@@ -134,7 +134,7 @@ class Feedback(Protocol):
         """Let a click be felt."""
 
     def is_running(self) -> bool:
-        """Whether the servo runs; the device of one that was killed is told to rest."""
+        """Whether the servo runs; the device of one that was killed is asked to stop."""
 
     def status(self) -> ServoStatus:
         """How it does, and why it failed."""
@@ -216,7 +216,7 @@ class DeviceHub:
     clock : callable
         Returns ns of the clock that readings are stamped by.
     feedback : ForceFeedback, optional
-        Of a haptic stylus: its readings count, and it is told where the object is. It is stopped
+        Of a haptic stylus: its readings count, and it is given the object's pose. It is stopped
         by `stop`, and let go of when its process has ended.
     stylus_name : str
         Of that stylus.
@@ -310,7 +310,7 @@ class DeviceHub:
             self._feedback, self._force = None, 0.0
 
     def _feel(self, readings: list[StylusReading]) -> None:
-        """Note the force, and tell the servo where the object is."""
+        """Note the force, and give the servo the object's pose."""
         if self._feedback is not None:
             self._force = float(np.linalg.norm(self._feedback.last_force))
             pose = self.hands.object_pose

@@ -1,4 +1,4 @@
-"""When the hand did what an event tells: the device's own time on the program's clock.
+"""When the hand did what an event reports: the device's own time on the program's clock.
 
 A window system hands events over when the program asks for them, which is late and in bursts while
 a picture is drawn. What depends on speed and standing must not depend on that, so the time that the
@@ -7,7 +7,7 @@ it is taken as it is, however late the first event was handed over. Other clocks
 monotonic one once for each kind of device, and again only while nothing is painted. Where the times
 of another device lie ahead, as after its first event was handed over late, a stroke begins behind
 them and keeps its pace. Where a device gives no times, or the same for all, the time of handing
-over is evened out instead, and that is told.
+over is evened out instead, and that is said.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _LOST_NS = 60_000 * _MS  # nobody waits so long for a picture: the clocks have p
 _AHEAD_NS = 20 * _MS  # an event cannot come before it happened; so much is rounding
 _NEAR_MS = 5_000  # that an event's own time lies before its handing over, if both are of one clock
 _WRAP_MS = 1 << 32  # X11 counts so far, and begins again
-_STUCK = 16  # events of one time stamp: more come from no device that tells the time
+_STUCK = 16  # events of one time stamp: more come from no device with a clock
 _FIRST_PERIOD_NS = 8 * _MS
 _PERIODS_NS = 1 * _MS, 40 * _MS  # of devices, least and most
 _PULL, _LEARN = 0.1, 0.1  # how fast evened times follow the handing over, and its period
@@ -74,9 +74,9 @@ class EventClock:
             known.handled_ns = handled_ns - _FIRST_PERIOD_NS
         self._judge(kind, known, stamp_ms, handled_ns)
         if known.untimed:
-            found = self._evened(known, handled_ns, painting)
+            found = self._even_out(known, handled_ns, painting)
         else:
-            found = self._mapped(known, stamp_ms, handled_ns, painting)
+            found = self._map_stamp(known, stamp_ms, handled_ns, painting)
             if not painting and self._last_ns is not None and found < self._last_ns - _MS:
                 known.offset_ns += self._last_ns + _TIE_NS - found
         known.stamp_ms, known.handled_ns = stamp_ms, handled_ns
@@ -86,7 +86,7 @@ class EventClock:
         return found
 
     def _judge(self, kind: str, known: _Kind, stamp_ms: int, handled_ns: int) -> None:
-        """Find out whether a device tells the time."""
+        """Find out whether a device has a clock."""
         known.n_same = known.n_same + 1 if stamp_ms == known.stamp_ms else 0
         if stamp_ms <= 0 or known.n_same >= _STUCK:
             if not known.untimed:
@@ -96,7 +96,7 @@ class EventClock:
             known.untimed = False  # it has begun to
             known.offset_ns = _offset_ns(stamp_ms, handled_ns)
 
-    def _mapped(self, known: _Kind, stamp_ms: int, handled_ns: int, painting: bool) -> int:
+    def _map_stamp(self, known: _Kind, stamp_ms: int, handled_ns: int, painting: bool) -> int:
         found = known.offset_ns + stamp_ms * _MS
         astray = found > handled_ns + _AHEAD_NS or found < handled_ns - _LOST_NS
         back = stamp_ms < known.stamp_ms
@@ -106,7 +106,7 @@ class EventClock:
             return known.offset_ns + stamp_ms * _MS
         return found
 
-    def _evened(self, known: _Kind, handled_ns: int, painting: bool) -> int:
+    def _even_out(self, known: _Kind, handled_ns: int, painting: bool) -> int:
         if not painting:  # times that lead by more than evening out does are gone on with
             lead = 0 if self._last_ns is None else self._last_ns - handled_ns
             known.offset_ns = lead if lead > _AHEAD_NS else 0

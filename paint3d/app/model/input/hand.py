@@ -3,7 +3,7 @@
 A window says where the pointer's ray meets the object, or gives the ray. That place is what every
 sample says as its contact: the middle of the footprint comes to lie there, however the pen leans.
 What a mouse cannot say is made up: the pressure from keys, wheel or speed, and the bend from the
-way, for the tuft trails behind, unless it is told whither (Guo 2015, Table 2: device I). A stroke
+way, for the tuft trails behind, unless a direction is given (Guo 2015, Table 2: device I). A stroke
 waits until it is known whither it goes, so that the tuft comes down trailing and need not turn
 round. Strokes can be steadied by a string that pulls the brush; its end is reached when the stroke
 ends.
@@ -80,7 +80,7 @@ def lean_of(
     """
     if right is None or up is None or not (x_tilt or y_tilt):
         return normal
-    x, y = (math.tan(math.radians(_limited(t))) for t in (x_tilt, y_tilt))
+    x, y = (math.tan(math.radians(_limit_tilt(t))) for t in (x_tilt, y_tilt))
     aside = x * as_array(right, "right", (3,)) - y * as_array(up, "up", (3,))
     aside = aside - (aside @ normal) * normal
     length = length_of(aside)
@@ -171,7 +171,7 @@ def _middle_reach(tuft: Tuft, descent: float, tilt: float, pressure: float) -> f
     return 0.5 * float(reach[0] + reach[n - 1]) if n else 0.0
 
 
-def _limited(degrees: float) -> float:
+def _limit_tilt(degrees: float) -> float:
     angle = as_number(degrees, "tilt (degrees)")
     return min(max(angle, -_STEEPEST_TILT), _STEEPEST_TILT)
 
@@ -201,7 +201,7 @@ _MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outlin
 _HALVINGS = 7  # of the angle between two rays, to find an edge between them
 _STAYS = 0.6  # of a way: a part that stays greater is an edge's
 _FILTER_S = 0.03  # over which the pointer's speed is taken
-_SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that tells whither a stroke goes, if need be
+_SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that shows a stroke's direction, if need be
 _STANDS_NS = 150_000_000  # after which a brush that does not move comes down as it is
 _LEANS = math.sin(math.radians(5.0))  # a pen that leans more has its tip on the other side
 _UNDER = 0.07  # of the tuft's length: half a footprint, about
@@ -230,7 +230,7 @@ class PointerInput:
     x_tilt, y_tilt : float
         Degrees that the pen leans to the right, and towards the user (down in the picture).
     rotation : float or None
-        Degrees clockwise about the pen's own axis; None where the device does not tell.
+        Degrees clockwise about the pen's own axis; None where the device does not report it.
     buttons : int
         Bit field of `DeviceSample`.
     harder, softer : bool
@@ -238,7 +238,7 @@ class PointerInput:
     wheel : float
         Notches since the last event, for the same.
     bend : (3,) or None
-        Whither the tuft's tip is told to point, however long; None: it trails behind the way.
+        Direction that the tuft's tip shall point in, of any length; None: it trails behind.
     """
 
     time_ns: int
@@ -264,7 +264,7 @@ RULERS = ("none", "straight", "ring", "profile")
 plane through its upright axis."""
 
 _RULED = 4  # steps to where the ruler and the surface meet
-_LEAST_ARM_MM = 2.0  # that tells whither a ruler leads
+_LEAST_ARM_MM = 2.0  # from which a ruler's direction is taken
 
 
 @dataclass(frozen=True)
@@ -323,7 +323,7 @@ class HandSettings:
         as_number(self.landing_s, "landing (s)", 0.0, 1.0)
         if self.pressure_by not in ("keys", "speed"):
             raise InputError(
-                "pressure by {pressure_by!r}; expected 'keys' or 'speed'",
+                "pressure_by is {pressure_by!r}; expected 'keys' or 'speed'",
                 pressure_by=self.pressure_by,
             )
 
@@ -361,7 +361,7 @@ class _Stand:
     twist: float | None  # rad
     pressure: float
     buttons: int
-    bend: AnyArray | None = None  # unit, whither the tip is told to point
+    bend: AnyArray | None = None  # unit, in which the tip shall point
 
 
 class Hand:
@@ -424,7 +424,7 @@ class Hand:
         self._waiting = [replace(stand, time_ns=stand.time_ns - _STEP_NS)]
         if pressure > 0.0:  # it was pressed when it was first heard of
             self._waiting.append(replace(stand, pressure=pressure))
-        return self._ready(brush)
+        return self._land_if_sure(brush)
 
     def move(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
         """The pointer went on; no samples where it is beside the object or time stood still.
@@ -477,7 +477,7 @@ class Hand:
         found = None if event is None or state.beside else self._meet(event)
         lifted = replace(self._latest, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
         if found is not None and self.settings.ruler != "none":
-            found = self._ruled(*found)
+            found = self._follow_ruler(*found)
         if found is not None:
             far = length_of(found[0] - lifted.point) > _LIFTED_OVER * brush.length_mm
             if not far and event is not None and not self._is_apart(found[0], event):
@@ -547,7 +547,7 @@ class Hand:
                     point=point,
                     normal=normal,
                     lean=lean,
-                    rest=self._rest(lean, normal, event),
+                    rest=self._resting_way(lean, normal, event),
                     pressure=last.pressure + fraction * (stand.pressure - last.pressure),
                 )
             )
@@ -579,9 +579,9 @@ class Hand:
         self._follow_speed(event.time_ns, point)
         state.time_ns, state.target, state.ray = event.time_ns, point, _ray_of(event)
         if pulled and self.settings.ruler != "none":
-            point, normal = self._ruled(point, normal)
+            point, normal = self._follow_ruler(point, normal)
         state.goal = point
-        string = self._string(event) if pulled else 0.0
+        string = self._string_mm(event) if pulled else 0.0
         if string > 0.0:
             point, normal = self._pull(point, string)
         normal = self._normal_under(point, normal, brush)
@@ -593,14 +593,14 @@ class Hand:
             point,
             normal,
             lean,
-            self._rest(lean, normal, event),
+            self._resting_way(lean, normal, event),
             None if event.rotation is None else math.radians(event.rotation),
             self._pressure(event) if pressed else 0.0,
             event.buttons,
             None if event.bend is None else any_tangent(normal, as_array(event.bend, "bend", (3,))),
         )
 
-    def _rest(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
+    def _resting_way(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
         """Whither a tip points that nothing drags: away from the lean, else up left as seen."""
         aside = lean - (lean @ normal) * normal
         if length_of(aside) > _LEANS:
@@ -617,15 +617,15 @@ class Hand:
             self._drag(stand, brush)
             return [self._sample(stand, brush)]
         self._waiting.append(stand)
-        return self._ready(brush)
+        return self._land_if_sure(brush)
 
-    def _ready(self, brush: BrushSpec) -> list[DeviceSample]:
+    def _land_if_sure(self, brush: BrushSpec) -> list[DeviceSample]:
         """What waits, if it need not wait any longer."""
         first, last = self._waiting[0], self._waiting[-1]
         far = length_of(last.target - first.point) >= _SURE * self._trail(brush)
         stands = last.time_ns - first.time_ns >= _STANDS_NS
-        told = first.twist is not None or last.bend is not None
-        return self._land(brush) if far or stands or told else []
+        given = first.twist is not None or last.bend is not None
+        return self._land(brush) if far or stands or given else []
 
     def _land(self, brush: BrushSpec) -> list[DeviceSample]:
         """Samples of all that waited; the tip trails behind the way, or points as it rests."""
@@ -655,7 +655,7 @@ class Hand:
         state, last, trail = self._now, self._latest, self._trail(brush)
         back = turned_with(last.normal, stand.normal, state.tip - last.point)
         way = stand.point - last.point
-        back = back - length_of(way) * _along(stand.normal, way)
+        back = back - length_of(way) * _project_along(stand.normal, way)
         back = back - (back @ stand.normal) * stand.normal
         distance = length_of(back)
         if stand.bend is not None:
@@ -695,7 +695,7 @@ class Hand:
         result: AnyArray = mean / length_of(mean)
         return result
 
-    def _string(self, event: PointerInput) -> float:
+    def _string_mm(self, event: PointerInput) -> float:
         """Length of the string that pulls the brush, mm."""
         settings = self.settings
         steady = settings.smoothing
@@ -703,7 +703,7 @@ class Hand:
             steady = max(steady, settings.mouse_smoothing)
         return steady * settings.longest_string_mm
 
-    def _ruled(self, point: AnyArray, normal: AnyArray) -> tuple[AnyArray, AnyArray]:
+    def _follow_ruler(self, point: AnyArray, normal: AnyArray) -> tuple[AnyArray, AnyArray]:
         """The place nearest to a point where the ruler leads from the stroke's beginning.
 
         Rulers are planes that the surface is cut by: through the first way and the normal there,
@@ -811,7 +811,7 @@ class Hand:
             x = bend - (bend @ z) / (normal @ z) * normal
             x /= length_of(x)
         else:
-            x = _turned(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
+            x = _turn_across(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
             bend = any_tangent(normal, x)
         orientation = quaternions_from_matrices(np.stack([x, cross(z, x), z], axis=-1)[None])[0]
         root = root_over(brush, stand.point, normal, bend, z, stand.pressure)
@@ -835,12 +835,12 @@ def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
     return np.asarray(event.origin, np.float64), np.asarray(event.direction, np.float64)
 
 
-def _along(normal: AnyArray, way: AnyArray) -> AnyArray:
+def _project_along(normal: AnyArray, way: AnyArray) -> AnyArray:
     """A way's direction along a surface; zero where it leads straight up or down."""
     across = way - (way @ normal) * normal
     length = length_of(across)
     return across / length if length > 1e-9 else np.zeros(3)
 
 
-def _turned(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
+def _turn_across(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
     return math.cos(angle) * vector + math.sin(angle) * cross(axis, vector)

@@ -79,8 +79,8 @@ def orbit(camera: Camera, dx: float, dy: float, height: float, z_up: bool = True
     right, up, back = picture_axes(camera)
     reach = camera.position - camera.focus
     if not z_up:
-        reach = _turned(_turned(reach, up, -dx * per_pixel), right, -dy * per_pixel)
-        new_up = _turned(up, right, -dy * per_pixel)
+        reach = _rotate_about(_rotate_about(reach, up, -dx * per_pixel), right, -dy * per_pixel)
+        new_up = _rotate_about(up, right, -dy * per_pixel)
         return replace(camera, position=camera.focus + reach, up=_unit(new_up))
     flat = right[:2] / max(length_of(right[:2]), 1e-12)
     azimuth = math.atan2(-flat[0], flat[1])  # of `back`, also where that points straight up
@@ -98,7 +98,7 @@ def orbit(camera: Camera, dx: float, dy: float, height: float, z_up: bool = True
 def roll(camera: Camera, angle: float) -> Camera:
     """Turn the picture about its middle, anticlockwise, rad."""
     _, up, back = picture_axes(camera)
-    return replace(camera, up=_turned(up, back, -angle))
+    return replace(camera, up=_rotate_about(up, back, -angle))
 
 
 def roll_of(camera: Camera) -> float:
@@ -217,7 +217,7 @@ def _mm_per_pixel(camera: Camera, height: float) -> float:
     return 2.0 * distance * math.tan(0.5 * camera.view_angle) / height
 
 
-def _turned(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
+def _rotate_about(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
     """Rodrigues' rotation about a unit axis."""
     across, along = cross(axis, vector), axis @ vector
     return (

@@ -46,7 +46,7 @@ class PressureCurve:
         if (np.diff(given[:, 0]) <= 0.0).any() or (np.diff(given[:, 1]) < 0.0).any():
             raise InputError("pressure curve falls or turns back; expected it to rise")
         object.__setattr__(self, "points", tuple((float(x), float(y)) for x, y in given))
-        object.__setattr__(self, "_table", _sampled(given))
+        object.__setattr__(self, "_table", _sample_curve(given))
 
     def __call__(self, pressure: float) -> float:
         """The pressure painted with, for one that was sent, both 0 to 1."""
@@ -93,13 +93,14 @@ class PressureCurve:
         """
         if not 0 < index < len(self.points) - 1:
             raise InputError(
-                "point {index} of the pressure curve; expected one in between",
+                "point {index} of the pressure curve cannot be removed; expected one between "
+                "its ends",
                 index=index,
             )
         return PressureCurve(self.points[:index] + self.points[index + 1 :])
 
 
-def _sampled(points: AnyArray) -> AnyArray:
+def _sample_curve(points: AnyArray) -> AnyArray:
     """The curve at even steps (STEPS + 1,)."""
     x = np.linspace(0.0, 1.0, _STEPS + 1)
     curve = PchipInterpolator(points[:, 0], points[:, 1])(x)

@@ -72,7 +72,7 @@ class Symmetry:
         turns = self.radial.count if self.radial else 1
         if isinstance(turns, bool) or not isinstance(turns, int) or not 1 <= turns <= MOST_IMAGES:
             raise InputError(
-                "radial symmetry by {turns!r}; expected 2 to {most}",
+                "radial symmetry has {turns!r} images; expected 2 to {most}",
                 turns=turns,
                 most=MOST_IMAGES,
             )

@@ -71,7 +71,8 @@ def restore_hairs(painter: Painter, words: Any) -> None:
         raise SessionError("the hairs of the brush cannot be used: {cause}", cause=cause) from None
     if load.min(initial=0.0) < 0.0 or load.shape[1] > wide[1]:
         raise SessionError(
-            "the hairs hold {least:g} of {load_shape} inks",
+            "the hairs hold {load_shape} inks, of one {least:g}; expected inks of the painting, "
+            "none below 0",
             least=load.min(),
             load_shape=load.shape[1],
         )

@@ -48,7 +48,7 @@ def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[
 def own_brush_path(name: str, folder: Path | None = None) -> Path:
     """The file that a brush of this name is kept in, whatever that is called; or a new one's."""
     folder = own_brush_folder() if folder is None else folder
-    path = _named(name, folder)
+    path = _choose_file(name, folder)
     if _name_in(path) == name:
         return path
     return next((other for other in _files(folder) if _name_in(other) == name), path)
@@ -63,7 +63,7 @@ def _files(folder: Path) -> list[Path]:
     return sorted(found, key=lambda path: path.suffix.lower() != ".toml")[:_MOST]
 
 
-def _named(name: str, folder: Path) -> Path:
+def _choose_file(name: str, folder: Path) -> Path:
     """The .toml called like a brush: the one that holds it, or one that is not there yet."""
     plain = "".join(c if c.isalnum() or c in "-_" else "_" for c in name).strip("_") or "brush"
     path, n = folder / f"{plain}.toml", 1
@@ -95,7 +95,7 @@ def keep_brush(brush: BrushSpec, folder: Path | None = None) -> Path:
     folder = own_brush_folder() if folder is None else folder
     path = own_brush_path(brush.name, folder)
     if path.suffix.lower() != ".toml":
-        path = _named(brush.name, folder)
+        path = _choose_file(brush.name, folder)
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
     except OSError as cause:

@@ -18,7 +18,7 @@ from paint3d.errors import Message, Paint3DError, PigmentError
 __all__ = ["OwnPigments", "check_unlike_palette", "fingerprint_of", "own_pigments"]
 
 _DIGITS = 16  # of a fingerprint
-_OUT = "none"  # in its place: the table could not be used, which was told
+_OUT = "none"  # in its place: the table could not be used, which was said
 
 
 @dataclass

@@ -3,7 +3,7 @@
 A recovery folder belongs to one painting. ``base-K.p3d`` is the painting at a moment,
 ``journal-K.p3dj`` all samples and commands since, in order; doing them again on the base gives the
 same painting to the bit. Saving a new base starts a new journal first, so at every moment some base
-and the journals after it hold everything. A lock that dies with the program tells whether its
+and the journals after it hold everything. A lock that dies with the program shows whether its
 painting is still open. Folder and files are the user's alone.
 """
 
@@ -84,14 +84,14 @@ class RecoveryFolder:
             make_private(self.folder / _LOCK)
             lock(self._lock)
         except OSError as cause:
-            raise _unkeepable(root, cause) from None
+            raise _keeping_error(root, cause) from None
         try:
             self.turn_page(document)
             self._describe(document, modified=False)  # without a base nothing could come back
             self.save_base(document)
         except OSError as cause:
             self.close()
-            raise _unkeepable(root, cause) from None
+            raise _keeping_error(root, cause) from None
         except BaseException:
             self.close()
             raise
@@ -156,11 +156,11 @@ class RecoveryFolder:
         base = self.folder / f"base-{self._number}.p3d"
         document.save_copy(base)
         make_private(base)
-        with suppress(ExportError):  # turning the page will tell
+        with suppress(ExportError):  # turning the page will report it
             self._lay_out_page()
         with suppress(OSError):
             self._describe(document, document.modified or self._has_undone(document))
-        for old in _numbered(self.folder, "base-") | _numbered(self.folder, "journal-"):
+        for old in _find_numbered(self.folder, "base-") | _find_numbered(self.folder, "journal-"):
             if old[0] < self._number:
                 with suppress(OSError):
                     old[1].unlink()
@@ -275,7 +275,7 @@ class Unfinished:
             If there is no base that can be opened, or another program has taken it up by now.
         """
         with self.held():
-            return self._recovered(progress or (lambda fraction: None))
+            return self._recover(progress or (lambda fraction: None))
 
     @contextmanager
     def held(self) -> Iterator[None]:
@@ -288,7 +288,7 @@ class Unfinished:
         """
         with _holding:
             count, file = _HELD.get(self.folder, (0, None))
-            _HELD[self.folder] = count + 1, file if count else self._locked()
+            _HELD[self.folder] = count + 1, file if count else self._take_lock()
         try:
             yield
         finally:
@@ -299,11 +299,12 @@ class Unfinished:
                 elif file is not None:
                     file.close()
 
-    def _locked(self) -> BinaryIO | None:
+    def _take_lock(self) -> BinaryIO | None:
         """The lock, held; None where nothing can be written, so that nobody can delete it."""
         name = self.object_name if self.path is None else self.path.name
         taken = Message(
-            "{name}: another window has taken it up; expected what a crash left", name=name
+            "{name}: another window has opened it already; choose another painting to recover",
+            name=name,
         )
         if not self.folder.is_dir():
             raise SessionError(taken)
@@ -318,9 +319,9 @@ class Unfinished:
             raise SessionError(taken) from None
         return file
 
-    def _recovered(self, tell: Callable[[float], None]) -> Recovered:
+    def _recover(self, tell: Callable[[float], None]) -> Recovered:
         tell(0.0)
-        bases = sorted(_numbered(self.folder, "base-"), reverse=True)
+        bases = sorted(_find_numbered(self.folder, "base-"), reverse=True)
         if not bases:
             raise SessionError(
                 "{folder}: it holds no painting; expected base-K.p3d",
@@ -328,19 +329,19 @@ class Unfinished:
             )
         first, base = bases[0]
         document = Document.open(base)
-        journals = sorted(_numbered(self.folder, "journal-"))
-        events, loss = _events([path for number, path in journals if number >= first])
+        journals = sorted(_find_numbered(self.folder, "journal-"))
+        events, loss = _read_journals([path for number, path in journals if number >= first])
         known = Counter(
             Message(str(e[_REFUSED])) for e in events if isinstance(e, dict) and _REFUSED in e
         )
         events = [e for e in events if not (isinstance(e, dict) and _REFUSED in e)]
-        pieces = [piece for event in events for piece in _pieces(event)]
+        pieces = [piece for event in events for piece in _split_event(event)]
         tell(_OPENED)
         costs = [_cost(piece) for piece in pieces]
         done, whole = 0.0, sum(costs)
         refused: list[Message] = []
         for piece, cost in zip(pieces, costs, strict=True):
-            refused += _done_again(document, piece)
+            refused += _replay_piece(document, piece)
             done += cost
             tell(_OPENED + (1.0 - _OPENED) * done / whole)
         document.end_stroke()
@@ -369,7 +370,7 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
             if is_locked(own / _LOCK) and own not in _HELD:  # somebody else goes on with it
                 continue
             if has_begun:
-                found += _unfinished(own)
+                found += _find_unfinished(own)
             elif _never_began(own):
                 shutil.rmtree(own, ignore_errors=True)
     return sorted(found, key=lambda one: one.time_s, reverse=True)
@@ -403,11 +404,11 @@ def refusal(error: Paint3DError) -> dict[str, object]:
     return {_REFUSED: error.message}
 
 
-def _unkeepable(root: Path, cause: OSError) -> ExportError:
+def _keeping_error(root: Path, cause: OSError) -> ExportError:
     return ExportError("{root}: cannot keep what is painted here: {cause}", root=root, cause=cause)
 
 
-def _events(journals: Sequence[Path]) -> tuple[list[_Event], Loss]:
+def _read_journals(journals: Sequence[Path]) -> tuple[list[_Event], Loss]:
     """What was asked for, in order, up to the first damage, and what is lost from there on."""
     events: list[_Event] = []
     for k, journal in enumerate(journals):
@@ -432,10 +433,10 @@ def _path_of(document: Document) -> str | None:
     return None if document.path is None else str(document.path.resolve())
 
 
-def _unfinished(folder: Path) -> list[Unfinished]:
+def _find_unfinished(folder: Path) -> list[Unfinished]:
     try:
         about = json.loads((folder / _ABOUT).read_text(encoding="utf-8"))
-        n_bytes = sum(path.stat().st_size for _, path in _numbered(folder, "journal-"))
+        n_bytes = sum(path.stat().st_size for _, path in _find_numbered(folder, "journal-"))
         if not about.get("modified", True) and n_bytes <= about.get("opening_bytes", 0):
             shutil.rmtree(folder, ignore_errors=True)
             return []
@@ -453,11 +454,13 @@ def _never_began(folder: Path) -> bool:
     process, _, began = folder.name.partition("-")
     with suppress(OSError):
         is_old = time.time() - folder.stat().st_mtime > _BEGINS_S
-        return process.isdigit() and began.isdigit() and is_old and not _numbered(folder, "base-")
+        return (
+            process.isdigit() and began.isdigit() and is_old and not _find_numbered(folder, "base-")
+        )
     return False
 
 
-def _numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
+def _find_numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
     """The files PREFIX-K.* with their K."""
     found = set()
     for file in folder.glob(f"{prefix}*"):
@@ -467,7 +470,7 @@ def _numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
     return found
 
 
-def _pieces(event: Recording | Mapping[str, object]) -> list[_Piece]:
+def _split_event(event: Recording | Mapping[str, object]) -> list[_Piece]:
     """A command, or samples in pieces that take well below a second."""
     if not isinstance(event, Recording):
         return [event]
@@ -483,7 +486,7 @@ def _cost(piece: _Piece) -> float:
     return 1.0 if command is None else command.cost
 
 
-def _done_again(document: Document, piece: _Piece) -> list[Message]:
+def _replay_piece(document: Document, piece: _Piece) -> list[Message]:
     """Do it; what was refused, as it was when it happened first."""
     try:
         if isinstance(piece, list):

@@ -72,19 +72,19 @@ def saved_history(
         As their words in undone come.
     """
     saved = undo_state(surface, history, most_bytes)
-    words = [[_word(label, current) for label in own] for own in (saved.done, saved.undone)]
+    words = [[_label_word(label, current) for label in own] for own in (saved.done, saved.undone)]
     state = {"steps": saved.state, "done": words[0], "undone": words[1]}
     undone = [label for label in saved.undone if isinstance(label, Stroke)]
-    return {**state, **_painters(saved.kept, len(surface.pigments))}, undone
+    return {**state, **_pack_painters(saved.kept, len(surface.pigments))}, undone
 
 
-def _word(label: object, current: Stroke | None) -> str:
+def _label_word(label: object, current: Stroke | None) -> str:
     if isinstance(label, Stroke):
         return _UNFINISHED if label is current else _STROKE
     return str(label)
 
 
-def _painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
+def _pack_painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
     brushes: dict[BrushSpec, int] = {}
     painters: dict[str, dict[str, Any]] = {}
     places: dict[str, int] = {}
@@ -158,15 +158,15 @@ def restore_history(
         n_done, n_undone = (list(own).count(_STROKE) for own in words)
         if n_done > len(strokes) or n_undone != len(undone):
             raise SessionError(
-                "they are {n_done} and {n_undone} strokes; expected {n} and {undone}",
+                "{n_done} strokes are done and {n_undone} undone; expected {n} and {undone}",
                 n_done=n_done,
                 n_undone=n_undone,
                 n=len(strokes),
                 undone=len(undone),
             )
-        done_labels = _labels(words[0], iter(strokes[len(strokes) - n_done :]))
-        undone_labels = _labels(words[1], iter(undone))
-        kept = _kept(surface, state)
+        done_labels = _unpack_labels(words[0], iter(strokes[len(strokes) - n_done :]))
+        undone_labels = _unpack_labels(words[1], iter(undone))
+        kept = _unpack_kept(surface, state)
         restore_undo(surface, history, state["steps"], done_labels, undone_labels, kept)
     except SessionError:
         raise
@@ -178,26 +178,30 @@ def restore_history(
     return result
 
 
-def _labels(words: Sequence[Any], strokes: Iterator[Stroke]) -> list[object]:
+def _unpack_labels(words: Sequence[Any], strokes: Iterator[Stroke]) -> list[object]:
     for word in words:
         if not isinstance(word, str) or len(word) > _LONGEST_LABEL:
             raise SessionError("a step is {word!r:.60}; expected a word", word=word)
     return [next(strokes) if word == _STROKE else word for word in words]
 
 
-def _kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
+def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
     """What the painter remembered, as `Document` restores it."""
     of = np.asarray(state["painter"])
     count, p = len(of), len(surface.pigments)
     makers = _makers(surface, state)
     if of.dtype != np.int32 or (count and not 0 <= of.min() <= of.max() < len(makers)):
-        raise SessionError("painters are {of_dtype}, none of {n}", of_dtype=of.dtype, n=len(makers))
+        raise SessionError(
+            "painters are numbered as {of_dtype}; expected int32 below {n}",
+            of_dtype=of.dtype,
+            n=len(makers),
+        )
     loaded, dipped = np.asarray(state["loaded"]), np.asarray(state["dipped"])
     if loaded.dtype != np.float64 or not (np.abs(loaded) <= MOST_INK).all():
         raise SessionError("ink that was loaded is out of range")
     if loaded.shape != of.shape or dipped.shape != of.shape or dipped.dtype != np.uint8:
         raise SessionError(
-            "{count} painters have loaded {loaded_shape} times",
+            "loads have shape {loaded_shape}; expected one for each of {count} painters",
             count=count,
             loaded_shape=loaded.shape,
         )
@@ -207,10 +211,12 @@ def _kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
     of_texts = np.asarray(state["text"])
     if of_texts.shape != of.shape or of_texts.dtype != np.int32:
         raise SessionError(
-            "{count} paintings have texts {shape}", count=count, shape=of_texts.shape
+            "texts are numbered in shape {shape}; expected one number for each of {count} steps",
+            count=count,
+            shape=of_texts.shape,
         )
     if count and not 0 <= of_texts.min() <= of_texts.max() < len(texts):
-        raise SessionError("a text is none of {count}", count=len(texts))
+        raise SessionError("a text has a number beyond {count}", count=len(texts))
     column = np.asarray(state["hair_loads"])
     if column.size and not 0.0 <= column.min() <= column.max() <= MOST_INK:
         raise SessionError("ink of single hairs is out of range")
@@ -240,7 +246,11 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
     for words in state["painters"]:
         place, hairs = words["brush"], words["hairs"]
         if type(place) is not int or not 0 <= place < len(brushes):
-            raise SessionError("a brush is the {place!r:.20}th of {n}", place=place, n=len(brushes))
+            raise SessionError(
+                "a painter has brush {place!r:.20}; expected a number below {n}",
+                place=place,
+                n=len(brushes),
+            )
         spec = None if hairs is None else BristleSpec(**hairs)
         key = place, spec
         if key not in tufts:

@@ -71,6 +71,11 @@ class InkTable:
         self.table, self._apart = table, apart
         self._own: dict[str, Pigment] = {}
 
+    @classmethod
+    def of(cls, words: Mapping[str, Any], *, apart: bool = False) -> InkTable:
+        """The table of a header or a line, which has its inks under "pigments"."""
+        return cls(dict(words.get("pigments", {})), apart=apart)
+
     def encode(self, ink: str | Pigment | Mapping[Any, float]) -> str | dict[str, float]:
         """How a score writes an ink, or a mixture of several.
 
@@ -273,7 +278,9 @@ def _encode_value(value: Any) -> Any:
         return [_encode_value(item) for item in value]
     if isinstance(value, str | int | float | bool) or value is None:
         return value
-    raise RecordingError("{kind} is nothing that a recording can say", kind=type(value).__name__)
+    raise RecordingError(
+        "a recording cannot hold a value of type {kind}", kind=type(value).__name__
+    )
 
 
 def _encode_plain(arguments: Mapping[str, Any], _: Vocabulary) -> JsonObject:

@@ -16,7 +16,7 @@ from paint3d.app.model.score.codecs import (
     make_header,
 )
 from paint3d.app.model.score.stepping import PlaybackStep, play
-from paint3d.app.model.stroke_log import ERASES, Stroke, recording_of
+from paint3d.app.model.stroke_log import ERASES, Stroke, ink_of, recording_of
 from paint3d.brush.spec import DipAmount
 from paint3d.colour.materials import Material
 from paint3d.errors import Message, Paint3DError, RecordingError
@@ -65,7 +65,7 @@ def begun(
     header = score.header
     try:
         brush = decode_brush(header, DEFAULT_BRUSH)
-        ink = InkTable(dict(header.get("pigments", {}))).decode(header.get("ink", PURE_INKS[0]))
+        ink = InkTable.of(header).decode(header.get("ink", PURE_INKS[0]))
         made_of = decode_material(header) if material is None else material
     except Paint3DError as cause:
         raise RecordingError(
@@ -152,13 +152,12 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
     if not strokes:
         return None
     inks, first = InkTable({}), strokes[0]
-    known = {pigment.name: pigment for pigment in surface.pigments}
     events: list[Recording | dict[str, Any]] = [
         {"do": "rename_layer", "place": 0, "name": first.layer}
     ]
     layers, active, brush, amount = [first.layer], first.layer, None, DipAmount()
     for stroke in strokes:
-        ink = inks.encode({known.get(name, name): part for name, part in stroke.ink.items()})
+        ink = inks.encode(ink_of(stroke, surface))
         if stroke.layer not in layers:
             events.append({"do": "add_layer", "name": stroke.layer, "place": len(layers)})
             layers.append(stroke.layer)
@@ -173,13 +172,14 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
             amount = stroke.amount
         brush = stroke.brush
         pairs = {"loads": stroke.loads, "strengths": stroke.strengths}
-        told: dict[str, Any] = {name: [list(one) for one in of] for name, of in pairs.items() if of}
+        given: dict[str, Any] = {
+            name: [list(one) for one in of] for name, of in pairs.items() if of
+        }
         if stroke.tags.get(ERASES):
-            told["erase"] = True
-        events.append({"do": "begin_stroke", "time_s": stroke.time_s, **told})
+            given["erase"] = True
+        events.append({"do": "begin_stroke", "time_s": stroke.time_s, **given})
         events.append(recording_of(stroke.samples, {}))
         events.append({"do": "end_stroke"})
-    dipped = {known.get(name, name): part for name, part in first.ink.items()}
-    header = make_header(surface, first.brush, dipped, inks)
+    header = make_header(surface, first.brush, ink_of(first, surface), inks)
     own = {"pigments": inks.table} if inks.table else {}
     return Score({**header, **own}, tuple(events))

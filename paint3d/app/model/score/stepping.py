@@ -13,7 +13,7 @@ from paint3d.app.model.score.codecs import InkTable, Vocabulary
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Message, Paint3DError, RecordingError
 from paint3d.recording.recording import HandTime, Recording
-from paint3d.recording.score import Score
+from paint3d.recording.score import Event, Score
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
@@ -67,10 +67,9 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Pla
     RecordingError
         ``file:line: what is wrong`` for a brush or an ink that is not known, and the like.
     """
-    vocabulary = Vocabulary(surface, InkTable(dict(score.header.get("pigments", {}))))
     whole = sum(map(_cost, score.events[first:])) or 1.0
     done = 0.0
-    for k, event in enumerate(score.events[first:], first):
+    for k, event, arguments in _decode_events(score, surface, first):
         if isinstance(event, Recording):
             samples = list(event.samples())
             for at in range(0, len(samples), _AT_ONCE):
@@ -78,19 +77,6 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Pla
                 done += len(part)
                 yield PlaybackStep(k, part, "", {}, False, done / whole)
             continue
-        try:
-            arguments = decode_arguments(event, vocabulary)
-        except Paint3DError as cause:
-            if event.get("refused"):  # as it was then
-                continue
-            raise RecordingError(
-                "{where}: {do}: {cause}",
-                where=score.where(k),
-                do=event["do"],
-                cause=cause,
-            ) from None
-        if event["do"] == "begin_stroke" and not event.get("refused"):
-            arguments.setdefault("time_s", 0.0)
         times = event.get("times", 1)
         cost = _cost(event) / times
         for _ in range(times):
@@ -98,6 +84,27 @@ def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[Pla
             yield PlaybackStep(
                 k, [], event["do"], arguments, bool(event.get("refused")), done / whole
             )
+
+
+def _decode_events(
+    score: Score, surface: PaintedSurface, first: int
+) -> Iterator[tuple[int, Event, dict[str, Any]]]:
+    """Events from `first` on: number, event, and a command's arguments; none that was refused."""
+    vocabulary = Vocabulary(surface, InkTable.of(score.header))
+    for k, event in enumerate(score.events[first:], first):
+        arguments: dict[str, Any] = {}
+        if not isinstance(event, Recording):
+            try:
+                arguments = decode_arguments(event, vocabulary)
+            except Paint3DError as cause:
+                if event.get("refused"):  # as it was then
+                    continue
+                raise RecordingError(
+                    "{where}: {do}: {cause}", where=score.where(k), do=event["do"], cause=cause
+                ) from None
+            if event["do"] == "begin_stroke":
+                arguments.setdefault("time_s", 0.0)
+        yield k, event, arguments
 
 
 def _cost(event: Any) -> float:
@@ -215,27 +222,13 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
         ``file:line: what is wrong`` for a brush or an ink that is not known, and the like.
     """
     clock = HandTime()
-    vocabulary = Vocabulary(surface, InkTable(dict(score.header.get("pigments", {}))))
-    for k, event in enumerate(score.events):
+    for _, event, arguments in _decode_events(score, surface, 0):
         if isinstance(event, Recording):
             for when, sample in zip(
                 clock.pass_samples(event.time_ns), event.samples(), strict=True
             ):
                 yield Cue(float(when), [sample])
             continue
-        try:
-            arguments = decode_arguments(event, vocabulary)
-        except Paint3DError as cause:
-            if event.get("refused"):  # as it was then
-                continue
-            raise RecordingError(
-                "{where}: {do}: {cause}",
-                where=score.where(k),
-                do=event["do"],
-                cause=cause,
-            ) from None
-        if event["do"] == "begin_stroke":
-            arguments.setdefault("time_s", 0.0)
         for _ in range(event.get("times", 1)):
             _pass_command(clock, event["do"], event, 1)
             yield Cue(clock.seconds, [], event["do"], arguments)

@@ -246,8 +246,8 @@ def save_answer(folder: Path, plan: StudyPlan, participant: str, answer: Answer)
     _check_answer(plan, participant, answer)
     file = folder / ANSWERS_NAME
     answers = load_answers(folder, plan) | {participant: answer}
-    told = {name: asdict(answers[name]) for name in plan.participants if name in answers}
-    values = {"format": "paint3d-study-answers", "version": VERSION, "answers": told}
+    given = {name: asdict(answers[name]) for name in plan.participants if name in answers}
+    values = {"format": "paint3d-study-answers", "version": VERSION, "answers": given}
     with write_atomically(file) as part:
         part.write_text(json_text(values, indent=1) + "\n", encoding="utf-8")
     return file

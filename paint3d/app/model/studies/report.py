@@ -86,9 +86,9 @@ def _figure(name: str, unit: str, found: Mapping[str, Mapping[str, float]]) -> s
             f"{escape(devices)}</text>"
         )
     drawn += _pairs(found, middles, y)
-    told = escape(name + (f", {unit}" if unit else ""))
+    title = escape(name + (f", {unit}" if unit else ""))
     return (
-        f'<figure><figcaption>{told}</figcaption><svg role="img" aria-label="{told}" '
+        f'<figure><figcaption>{title}</figcaption><svg role="img" aria-label="{title}" '
         f'width="{_WIDE}" height="{_TALL}" viewBox="0 0 {_WIDE} {_TALL}">'
         f"{''.join(drawn)}</svg></figure>"
     )
@@ -190,11 +190,11 @@ def _answers(table: StudyTable) -> str:
     )
     height = 22 * len(counts) + 8
     p = table.preference_p()
-    told = "" if math.isnan(p) else f"<p>Sign test, two-sided: p = {p:.3g}</p>"
+    sign_test = "" if math.isnan(p) else f"<p>Sign test, two-sided: p = {p:.3g}</p>"
     said = [[name, answer.prefers, answer.comment] for name, answer in table.answers.items()]
     return (
         f'<h2>Which devices they prefer</h2><svg role="img" aria-label="preferences" '
-        f'width="{_WIDE}" height="{height}" viewBox="0 0 {_WIDE} {height}">{bars}</svg>{told}'
+        f'width="{_WIDE}" height="{height}" viewBox="0 0 {_WIDE} {height}">{bars}</svg>{sign_test}'
         + _table(["participant", "prefers", "comment"], said)
     )
 

@@ -63,7 +63,7 @@ class Measured:
     stroke_seconds : tuple of float
         Of each stroke, s.
     likeness : float or None
-        IoU with the copybook; None where it cannot be told.
+        IoU with the copybook; None where it cannot be measured.
     """
 
     trial: Trial
@@ -204,17 +204,17 @@ class StudyTable:
             "object": self.plan.object,
             "devices": {
                 devices: {
-                    name: _known(vars(self.summary(devices, value)))
+                    name: _without_nans(vars(self.summary(devices, value)))
                     for name, value in values.items()
                 }
                 for devices in self.plan.devices
             },
             "preferences": {
                 "counts": self.preferences(),
-                **_known({"p": self.preference_p()}),
+                **_without_nans({"p": self.preference_p()}),
                 "answers": {name: vars(answer) for name, answer in self.answers.items()},
             },
-            "tests": [_known(vars(test)) for test in self.tests()],
+            "tests": [_without_nans(vars(test)) for test in self.tests()],
             "trials": [
                 {
                     **vars(one.trial),
@@ -230,7 +230,7 @@ class StudyTable:
         }
 
 
-def _known(values: dict[str, object]) -> dict[str, object]:
+def _without_nans(values: dict[str, object]) -> dict[str, object]:
     return {
         name: None if isinstance(value, float) and math.isnan(value) else value
         for name, value in values.items()
@@ -304,7 +304,7 @@ def measure(
     if file.name.endswith(SESSION_SUFFIX):
         session = load_session(file)
         surface = session.surface
-        recordings = [*session.recordings, *_in_one_clock(session.strokes)]
+        recordings = [*session.recordings, *_align_clocks(session.strokes)]
     elif is_score(file):
         surface, recordings = _painted_score(file, on)
     else:
@@ -332,7 +332,7 @@ def _painted_score(file: Path, on: str | None) -> tuple[PaintedSurface, list[Rec
     return document.surface, moved
 
 
-def _in_one_clock(strokes: Sequence[Recording]) -> list[Recording]:
+def _align_clocks(strokes: Sequence[Recording]) -> list[Recording]:
     """Strokes of several sittings, whose clocks started anew, one after the other.
 
     The devices' own times are kept where they can be of one clock; else the time of day, which is
@@ -344,10 +344,10 @@ def _in_one_clock(strokes: Sequence[Recording]) -> list[Recording]:
             before = moved[-1]
             own = int(stroke.time_ns[0]) - int(before.time_ns[0])
             day = [float(one.header.get("time_s", math.nan)) for one in (before, stroke)]
-            told = (day[1] - day[0]) * 1e9
+            by_day = (day[1] - day[0]) * 1e9
             apart = int(stroke.time_ns[0]) < int(before.time_ns[-1])
-            if math.isfinite(told) and (apart or own - told > _ANOTHER_CLOCK_NS):
-                shift = round(told) - own
+            if math.isfinite(by_day) and (apart or own - by_day > _ANOTHER_CLOCK_NS):
+                shift = round(by_day) - own
                 stroke = dataclasses.replace(stroke, time_ns=stroke.time_ns + shift)
         moved.append(stroke)
     return moved

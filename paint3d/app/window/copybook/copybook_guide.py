@@ -22,7 +22,11 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.stroke_log import Stroke
 from paint3d.app.window.copybook.copybook_panel import CopybookPanel
-from paint3d.app.window.copybook.strokes_dialog import CorrectionState, Photographed, StrokesDialog
+from paint3d.app.window.copybook.strokes_dialog import (
+    CorrectionSteps,
+    Photographed,
+    StrokesDialog,
+)
 from paint3d.app.window.copybook.text_moving import HeldText, TextMover
 from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.questions import Answer, ask
@@ -32,7 +36,6 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.composition import compose, seal_below, sign_beside
 from paint3d.calligraphy.layout import Layout
-from paint3d.calligraphy.page.correcting import Steps
 from paint3d.calligraphy.page.opening import opened_page
 from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.core.arrays import AnyArray
@@ -78,7 +81,7 @@ class _TextLayout:
     photographed: Photographed | None = None
     note: str = ""
     state: str = "off"  # of the note
-    unused: Steps[CorrectionState] | None = None  # corrections that could not be laid out
+    unused: CorrectionSteps | None = None  # corrections that could not be laid out
 
 
 class CopybookGuide:

@@ -21,10 +21,11 @@ from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say, say_error
 from paint3d.calligraphy.glyphs import GlyphStroke
-from paint3d.calligraphy.page.correcting import CorrectedPage, Steps
+from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.page import Page, bounds_of
 from paint3d.calligraphy.page.strokes_file import save_strokes
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length, points_at
 from paint3d.errors import Message, Paint3DError
 
 if TYPE_CHECKING:
@@ -34,6 +35,7 @@ __all__ = [
     "Behind",
     "CornerView",
     "CorrectionState",
+    "CorrectionSteps",
     "LabelGrid",
     "Photographed",
     "ShownStroke",
@@ -480,6 +482,51 @@ class CorrectionState(NamedTuple):
     sheet: SheetPicture | None
 
 
+class CorrectionSteps:
+    """Corrections one after another, of which the last ones can be undone and done again.
+
+    Parameters
+    ----------
+    first : CorrectionState
+    """
+
+    def __init__(self, first: CorrectionState) -> None:
+        self._states, self._at = [first], 0
+
+    @property
+    def now(self) -> CorrectionState:
+        """The state that counts."""
+        return self._states[self._at]
+
+    @property
+    def first(self) -> CorrectionState:
+        """The state that it began with."""
+        return self._states[0]
+
+    @property
+    def can_undo(self) -> bool:
+        """Return whether there is a state before."""
+        return self._at > 0
+
+    @property
+    def can_redo(self) -> bool:
+        """Return whether something was undone."""
+        return self._at + 1 < len(self._states)
+
+    def take(self, state: CorrectionState) -> None:
+        """Go on to another state; what was undone is forgotten."""
+        self._states[self._at + 1 :] = [state]
+        self._at += 1
+
+    def undo(self) -> None:
+        """Go back by one, where there is one."""
+        self._at -= self.can_undo
+
+    def redo(self) -> None:
+        """Go forth by one, where there is one."""
+        self._at += self.can_redo
+
+
 class StrokesDialog(QtWidgets.QDialog):
     """Correct the strokes of a page.
 
@@ -492,14 +539,14 @@ class StrokesDialog(QtWidgets.QDialog):
         Where the page is a photograph's.
     beside : Path
         The file that was opened: what is saved is proposed beside it.
-    steps : Steps, optional
+    steps : CorrectionSteps, optional
         Corrections of before, to go on with.
 
     Attributes
     ----------
     view : StrokeView
     corners : CornerView or None
-    steps : Steps
+    steps : CorrectionSteps
         What was corrected, to be undone.
     buttons : dict of str to QAbstractButton
         By their names in `_BUTTONS`.
@@ -514,14 +561,14 @@ class StrokesDialog(QtWidgets.QDialog):
         page: Page,
         photographed: Photographed | None = None,
         beside: Path | None = None,
-        steps: Steps[CorrectionState] | None = None,
+        steps: CorrectionSteps | None = None,
     ) -> None:
         super().__init__(parent)
         self.setWindowTitle(say("Strokes over the picture…").rstrip("…"))
         self._theme, self._photo = theme, photographed
         self._beside = beside or Path.cwd() / "strokes"
         sheet = photographed.sheet if photographed is not None else None
-        self.steps = steps or Steps(CorrectionState(CorrectedPage.of(page), sheet))
+        self.steps = steps or CorrectionSteps(CorrectionState(CorrectedPage.of(page), sheet))
         self._kept = self.steps.first
         self._chosen: int | None = 0 if self._now.strokes else None
         self._mode = "choose"
@@ -854,7 +901,8 @@ class StrokesDialog(QtWidgets.QDialog):
         self.view.chosen = k
         self.view.cut = None
         if self._mode == "split" and k is not None:
-            self.view.cut = _along(now.strokes[k].stroke.median, self._cut_at)
+            line = now.strokes[k].stroke.median
+            self.view.cut = points_at(line, self._cut_at * line_length(line))
         can = dict.fromkeys(self.buttons, self._mode != "corners" and k is not None)
         is_still = self._mode != "corners"
         can |= {
@@ -939,10 +987,3 @@ def _commands(event: QtGui.QKeyEvent) -> bool:
     """Whether Ctrl or the like is held."""
     held = QtCore.Qt.KeyboardModifier
     return bool(event.modifiers() & (held.ControlModifier | held.AltModifier | held.MetaModifier))
-
-
-def _along(line: NDArray[np.float64], fraction: float) -> NDArray[np.float64]:
-    """The place so far along a line."""
-    steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
-    way = np.concatenate([[0.0], np.cumsum(steps)])
-    return np.array([np.interp(fraction * way[-1], way, line[:, axis]) for axis in (0, 1)])

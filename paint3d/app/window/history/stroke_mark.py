@@ -13,6 +13,7 @@ from paint3d.app.window.hand.canvas_tool import CLICK, CanvasTool
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import AnyArray
+from paint3d.core.polyline import line_length, resample_to
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.recording.score_edits import pressed_places
 
@@ -44,14 +45,11 @@ def ways_of(stroke: Stroke, ground: ClosestPoints) -> list[AnyArray]:
 
 def _piece(places: AnyArray, ground: ClosestPoints) -> AnyArray:
     """A line through places, on the surface; a ring where they are one."""
-    steps = np.linalg.norm(np.diff(places, axis=0), axis=1)
-    along = np.concatenate([[0.0], np.cumsum(steps)])
-    if along[-1] < 0.5 * _DOT_MM:
+    length = line_length(places)
+    if length < 0.5 * _DOT_MM:
         return _ring(places[0], ground)
-    n = int(np.clip(np.ceil(along[-1] / _STEP_MM), 1, _MOST)) + 1
-    at = np.linspace(0.0, along[-1], n)
-    line = np.stack([np.interp(at, along, places[:, k]) for k in range(3)], axis=1)
-    return ground.find(line).points
+    n = int(np.clip(np.ceil(length / _STEP_MM), 1, _MOST)) + 1
+    return ground.find(resample_to(places, n)).points
 
 
 def _ring(place: AnyArray, ground: ClosestPoints) -> AnyArray:

@@ -1,4 +1,4 @@
-"""Polylines and rings of points (N, 2): arc length, even samples, area, Bezier curves."""
+"""Polylines of points (N, K) and rings (N, 2): arc length, even samples, area, Bezier curves."""
 
 from __future__ import annotations
 
@@ -6,18 +6,22 @@ import math
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray
 
 __all__ = [
     "arc_lengths",
     "bezier_points",
+    "cross_2d",
+    "headings_of",
+    "interpolate",
     "line_length",
     "points_at",
     "resample",
     "resample_to",
     "signed_area",
+    "unit_vectors",
 ]
 
 
@@ -32,26 +36,44 @@ def line_length(line: AnyArray) -> float:
     return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
-def points_at(line: AnyArray, distances: AnyArray) -> NDArray[np.float64]:
-    """Points (K, 2) of a line at distances (K,) from its first one."""
-    return _interpolate(line, arc_lengths(line), distances)
+def interpolate(at: ArrayLike, way: AnyArray, rows: AnyArray) -> NDArray[np.float64]:
+    """Rows (..., K) at distances (...), linearly between rows (N, K) at rising distances (N,)."""
+    places = np.asarray(at, np.float64)
+    return np.stack([np.interp(places, way, column) for column in rows.T], axis=-1)
+
+
+def points_at(line: AnyArray, distances: ArrayLike) -> NDArray[np.float64]:
+    """Points (..., K) of a line at distances (...) from its first one."""
+    return interpolate(distances, arc_lengths(line), line)
 
 
 def resample(line: AnyArray, step: float, least: int = 2) -> NDArray[np.float64]:
     """A line at even distances of about `step`, at `least` so many points."""
     way = arc_lengths(line)
     n = max(least, math.ceil(way[-1] / step) + 1) if way[-1] > 0.0 else least
-    return _interpolate(line, way, np.linspace(0.0, way[-1], n))
+    return interpolate(np.linspace(0.0, way[-1], n), way, line)
 
 
 def resample_to(line: AnyArray, n: int) -> NDArray[np.float64]:
     """A line as n points at even distances."""
     way = arc_lengths(line)
-    return _interpolate(line, way, np.linspace(0.0, way[-1], n))
+    return interpolate(np.linspace(0.0, way[-1], n), way, line)
 
 
-def _interpolate(line: AnyArray, way: AnyArray, distances: AnyArray) -> NDArray[np.float64]:
-    return np.stack([np.interp(distances, way, line[:, k]) for k in range(2)], axis=1)
+def headings_of(ways: AnyArray) -> NDArray[np.float64]:
+    """Directions (N,) of vectors (N, 2), rad, without jumps of a turn."""
+    return np.unwrap(np.arctan2(ways[:, 1], ways[:, 0]))
+
+
+def unit_vectors(angles: AnyArray) -> NDArray[np.float64]:
+    """Unit vectors (N, 2) in directions (N,), rad."""
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)
+
+
+def cross_2d(u: AnyArray, v: AnyArray) -> AnyArray:
+    """Cross products (...) of vectors (..., 2): positive where v is to the left of u."""
+    product: AnyArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+    return product
 
 
 def signed_area(ring: AnyArray) -> float:
