@@ -70,18 +70,18 @@ class Painter(StrokePainter):
         text : str
             A line break starts a new column or row.
         at : (float, float), optional
-            Where its middle goes, U,V from 0 to 1; by default where it fits.
+            Where its middle goes, U,V from 0 to 1, also of a text around; by default where it fits.
         size : float
             Side of a character's square, mm.
         font : path or str, optional
             A font file, or the name of a font of this system; by default strokes of characters
-            that are known.
+            that are known, and for letters a font of the system.
         layout : {"columns", "row"}, optional
             Columns from right to left, or rows; by default as the script is written.
         side : {"outside", "inside", "top", "bottom"}, optional
             From where the object is looked at; by default by its shape.
         around : bool
-            Spread it evenly around the body.
+            Spread it evenly around the body; beside a handle along the free arc.
         brush : str or BrushSpec, optional
             Taken first, dipped in the same ink; by default the brush in hand.
         dip : {"auto", "always"} or int
@@ -106,7 +106,7 @@ class Painter(StrokePainter):
             If the surface has no place for it.
         """
         from paint3d.calligraphy.fonts.fallback import set_whole, with_fallback
-        from paint3d.calligraphy.glyph_sources import missing_glyphs, open_glyphs
+        from paint3d.calligraphy.glyph_sources import has_letters, missing_glyphs, open_glyphs
 
         folder = None if glyphs is None else Path(glyphs)
         plan: Callable[..., Written]
@@ -121,7 +121,7 @@ class Painter(StrokePainter):
         else:
             source = open_glyphs(folder)
             whole = None
-            if around or missing_glyphs(source, text):
+            if has_letters(text) or missing_glyphs(source, text):
                 whole = set_whole(source, text, layout, around=around)
                 source = with_fallback(source, text) if whole is None else source
             plan = partial(write_text, text=text, source=source)

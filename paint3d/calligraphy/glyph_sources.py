@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import lru_cache
@@ -18,6 +19,8 @@ __all__ = [
     "HanziWriterFolder",
     "KanjiVGLines",
     "check_glyphs",
+    "has_letters",
+    "is_square_letter",
     "load_glyphs",
     "missing_glyphs",
     "names_of",
@@ -135,6 +138,20 @@ def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:
         top=top,
         probe=_PROBE,
     )
+
+
+def has_letters(text: str) -> bool:
+    """Return whether a text has letters that stand in no squares, as those of alphabets."""
+    return any(
+        unicodedata.category(one)[0] == "L" and unicodedata.east_asian_width(one) not in "WF"
+        for one in text
+    )
+
+
+def is_square_letter(character: str) -> bool:
+    """Return whether it is a letter or number of Chinese, Japanese or Korean, not a mark."""
+    is_wide = unicodedata.east_asian_width(character) in "WF"
+    return is_wide and unicodedata.category(character)[0] in "LN"
 
 
 def missing_glyphs(source: GlyphSource, text: str) -> list[str]:

@@ -11,13 +11,15 @@ from __future__ import annotations
 import math
 import unicodedata
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from itertools import pairwise, product
 
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.calligraphy.free_arc import FreeArc, Ring, in_the_way_error
 from paint3d.core.arrays import AnyArray, as_array
 from paint3d.errors import InputError, MeshError, Message, Paint3DError
 from paint3d.mesh.bvh import ClosestPoints
@@ -46,7 +48,10 @@ __all__ = [
     "layout_text",
     "places_for",
     "split_text",
+    "start_around",
     "upright_frame",
+    "walking_step",
+    "with_place",
     "with_suggestion",
 ]
 
@@ -60,6 +65,11 @@ _ACROSS = (0.5, 0.35, 0.65, 0.2, 0.8)
 _SCATTERED = 60
 _GOLDEN = (0.7548776662466927, 0.5698402909980532)  # even in the plane: Roberts' R2 sequence
 _STEPS_PER_EM, _LEAST_STEP_MM = 8.0, 0.1
+
+
+def walking_step(em_mm: float) -> float:
+    """Length (mm) of a step of the lines that a text of an em runs along."""
+    return max(em_mm / _STEPS_PER_EM, _LEAST_STEP_MM)
 
 
 def upright_frame(surface: ClosestPoints, point: AnyArray, up: Upright) -> SurfaceFrame:
@@ -137,6 +147,7 @@ _WITHIN = 1e-6  # of a panel: how far from its rim a place between panels goes
 _MOST_GRIDS = 8  # places without enough room after which the search is given up
 _SMALLER_SHARES = (0.85, 0.7, 0.55, 0.4)  # of the em, tried in turn for what may be proposed
 _TURNS_ASIDE = (0.0625, -0.0625, 0.125, -0.125, 0.1875, -0.1875, 0.25, -0.25, 0.375, -0.375, 0.5)
+_MOST_SPREAD = 1.5  # of the distance of columns: how far a text is spread along a free arc
 _DENSER = 4.0  # times as many characters as areas say may fit at a smaller size: two lines for one
 _SMALLER = 16  # tenths off the em, one after the other, of which one may be proposed
 
@@ -153,7 +164,10 @@ class Layout:
         Where the text's middle goes, as for `place`; by default in the middle, moved up or down
         where that makes it fit, or where the surface is smooth enough if it is not there.
     around : bool
-        Spread the columns (or the letters of a row) evenly all around the body, starting at `at`.
+        Spread the columns (or the letters of a row) evenly all around the body, with the middle at
+        `at`, or starting at `point` or at the front. Where something is in the way, such as a
+        handle, it is spread along the free arc beside that, or stands in the arc's middle where it
+        is much shorter.
     side : {"outside", "inside", "top", "bottom", "front", "right", "back", "left"}, optional
         From where one looks at the object.
     gap : float
@@ -164,6 +178,9 @@ class Layout:
         Where the text's middle goes, mm, instead of `at`: a point on the object or beside it.
     turn : float
         By which the text is turned to the left, degrees.
+    brush_mm : float, optional
+        Length of the brush for which a text around leaves what is in the way out; by default the
+        `room_mm` of the limits.
     """
 
     order: str = "columns"
@@ -174,6 +191,7 @@ class Layout:
     between: float = 0.0
     point: tuple[float, float, float] | None = None
     turn: float = 0.0
+    brush_mm: float | None = None
 
     @property
     def is_placed(self) -> bool:
@@ -364,8 +382,8 @@ def _lay_on(
     fixed = layout.is_placed or layout.around
     fault: Paint3DError
     try:
-        if layout.is_placed:
-            grid = _Grid(area, em_mm, layout, limits, area.middle(layout))
+        if fixed:
+            grid = _Grid(area, em_mm, layout, limits, start_around(area, layout, em_mm))
         else:
             grid = _middle_grid(area, em_mm, layout, limits)
     except MeshError as cause:
@@ -376,11 +394,14 @@ def _lay_on(
             return squares
         fits = grid.how_many(lines)
         fault = _too_long_error(grid, lines, fits)
+        arc = grid.find_arc(0.0)
+        if arc is not None:
+            raise grid.in_the_way_error(fault, arc, lines)
         fixed = fixed or fits > 0
     if fixed and isinstance(fault, MeshError):
 
         def lies(em_mm: float, layout: Layout) -> bool:
-            grid = _Grid(area, em_mm, layout, limits, area.middle(layout))
+            grid = _Grid(area, em_mm, layout, limits, start_around(area, layout, em_mm))
             return grid.fit(lines) is not None
 
         raise with_suggestion(fault, em_mm, layout, lies)
@@ -469,12 +490,7 @@ def with_suggestion(
             "{cause}; a size of {smaller:g} mm would fit", cause=fault.message, smaller=smaller
         )
     elif smaller is None:
-        message = Message(
-            "{cause}; this size would fit at {u:g},{v:g}",
-            cause=fault.message,
-            u=other[0],
-            v=other[1],
-        )
+        return with_place(fault, *other)
     else:
         message = Message(
             "{cause}; a size of {smaller:g} mm would fit, and this size at {u:g},{v:g}",
@@ -484,6 +500,12 @@ def with_suggestion(
             v=other[1],
         )
     return type(fault)(message, hint=fault.hint)
+
+
+def with_place(fault: InputError, u: float, v: float) -> InputError:
+    """A fault with a place at which a text of this size fits."""
+    told = Message("{cause}; this size would fit at {u:g},{v:g}", cause=fault.message, u=u, v=v)
+    return type(fault)(told, hint=fault.hint)
 
 
 def _too_long_error(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
@@ -510,6 +532,38 @@ def _too_long_error(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
     )
 
 
+def start_around(
+    area: WritingArea, layout: Layout, em_mm: float, height: float = 0.5
+) -> SurfaceFrame:
+    """The frame where a text's middle goes, or where the line begins that it goes round a body on.
+
+    That is at the front, but where a handle stands before that; so high from 0 to 1.
+
+    Raises
+    ------
+    InputError, MeshError
+        See `place`.
+    """
+    if layout.is_placed or not layout.around:
+        return area.middle(layout)
+    first: SurfaceFrame | None = None
+    for u in _TURNS:
+        try:
+            found = area.middle(replace(layout, at=(u, height)))
+        except MeshError:
+            continue
+        first = first or found
+        up = area.upright(found.normal, layout)
+        right, left = (
+            walk(area.surface, found, up, (sign, 0.0), None, walking_step(em_mm))
+            for sign in (1.0, -1.0)
+        )
+        with suppress(MeshError):
+            if Ring(area.surface, right, left, up.up, em_mm).goes_round:
+                return found
+    return first or area.middle(layout)
+
+
 @dataclass(eq=False)
 class TextPlace:
     """A place of a surface that text is laid around, and the lines that go from there."""
@@ -525,6 +579,10 @@ class TextPlace:
         self.surface = self.area.surface
         self.up = self.area.upright(self.middle.normal, self.layout)
         self._climbs: dict[float, SurfaceLine] = {}
+        self.free: dict[float, FreeArc | None] = {}  # arcs for a text around, once found
+        self.for_brush = self.limits
+        if self.layout.brush_mm is not None:
+            self.for_brush = replace(self.limits, room_mm=self.layout.brush_mm)
 
     def frame(self, point: AnyArray) -> SurfaceFrame:
         """The upright frame at a point (3,); MeshError where the surface lies level."""
@@ -535,24 +593,13 @@ class TextPlace:
     ) -> SurfaceLine:
         """The line from a frame in a direction, to the right and up, no longer than `most` mm."""
         most = self.most_mm if most is None else most
-        step = max(self.em_mm / _STEPS_PER_EM, _LEAST_STEP_MM)
-        return walk(self.surface, start, self.up, bearing, most, step)
+        return walk(self.surface, start, self.up, bearing, most, walking_step(self.em_mm))
 
     def climb(self, sign: float) -> SurfaceLine:
         """The line straight up from the middle, or with -1 straight down."""
         if sign not in self._climbs:
             self._climbs[sign] = self.walk(self.middle, (0.0, sign))
         return self._climbs[sign]
-
-    def check_closed(self, level: SurfaceLine) -> None:
-        """Refuse a level line that does not go all around."""
-        if not level.closed:
-            raise MeshError(
-                "{object}: the level line of the place does not come back to its start; expected a "
-                "body that can be written around",
-                object=self.surface.mesh.name,
-                hint="where it lies on its side, --up says which axis of the file points up",
-            )
 
     def surface_ends_error(self) -> MeshError:
         """Error for a text that goes on beyond the surface."""
@@ -569,8 +616,9 @@ class _Grid(TextPlace):
         self.most_mm, layout = _FARTHEST * self.em_mm, self.layout
         self.right = self.walk(self.middle, (1.0, 0.0))
         self.left = self.walk(self.middle, (-1.0, 0.0))
+        self.ring: Ring | None = None
         if layout.around:
-            self.check_closed(self.right)
+            self.ring = Ring(self.surface, self.right, self.left, self.up.up, self.em_mm)
         gaps = (layout.gap, layout.between)
         gaps = gaps if layout.order == "columns" else gaps[::-1]
         self.pitch = self.em_mm * (1.0 + np.array(gaps))
@@ -581,6 +629,51 @@ class _Grid(TextPlace):
     def span(self) -> tuple[float, float]:
         """Lowest and highest place (mm up from the middle) where a square can be laid."""
         return self._reach(self._start, -1.0), self._reach(self._start, 1.0)
+
+    def find_arc(self, block: float) -> FreeArc | None:
+        """Where the columns of a block so many mm high may stand; None: all round a body."""
+        if self.ring is None:
+            return None
+        key = round(block, 3)
+        if key not in self.free:
+            top = self._top(block)
+            heights = np.linspace(top - block, top, 1 + math.ceil(block / self.em_mm)).tolist()
+            self.free[key] = self.ring.find_arc(
+                self.for_brush.room_mm, heights, partial(self._is_free, heights=heights),
+                placed=self.layout.is_placed, centred=self.layout.at is not None,
+            )  # fmt: skip
+        return self.free[key]
+
+    def in_the_way_error(self, fault: InputError, arc: FreeArc, lines: Sequence[str]) -> InputError:
+        """A fault with what is in the way, and with a place that would do where one was asked."""
+        found = in_the_way_error(fault, arc.obstacle)
+        if self.ring is None or self.layout.at is None:
+            return found
+        free = self.ring.find_arc(
+            self.for_brush.room_mm, (0.0,), partial(self._is_free, heights=(0.0,))
+        )
+        if free is None:
+            return found
+        u = round(self.ring.turn_at(free.middle_for(0.0)), 2)
+        layout = replace(self.layout, at=(u, self.layout.at[1]))
+        try:
+            start = self.area.middle(layout)
+            if _Grid(self.area, self.em_mm, layout, self.limits, start).fit(lines) is None:
+                return found
+        except InputError:
+            return found
+        return with_place(found, u, self.layout.at[1])
+
+    def _is_free(self, point: AnyArray, heights: Sequence[float]) -> bool:
+        """Return whether squares can be laid so many mm above a point, for the usual brush."""
+        frame = self.frame(point)
+        try:
+            for height in heights:
+                line = self.walk(frame, (0.0, math.copysign(1.0, height)), abs(height))
+                self._lay(line.at(abs(height)), self.for_brush)
+        except InputError:
+            return False
+        return True
 
     @property
     def room(self) -> float:
@@ -628,7 +721,10 @@ class _Grid(TextPlace):
         return True
 
     def _square(self, point: AnyArray) -> EmSquare:
-        return lay_square(self.surface, self.frame(point), self.em_mm, self.limits)
+        return self._lay(point, self.limits)
+
+    def _lay(self, point: AnyArray, limits: SquareLimits) -> EmSquare:
+        return lay_square(self.surface, self.frame(point), self.em_mm, limits)
 
     def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
         """Return whether so many squares fit, across and down, by the middle lines alone."""
@@ -636,6 +732,9 @@ class _Grid(TextPlace):
             low, high = self.span
             if (shape[1] - 1) * pitch[1] > high - low + 0.02 * pitch[1]:
                 return False
+        arc = self.find_arc((shape[1] - 1) * pitch[1])
+        if arc is not None:
+            return bool((shape[0] - 1) * pitch[0] <= arc.length + _TOUCHING * self.em_mm)
         ring = shape[0] * pitch[0] / (1.0 + 1e-9)
         half = 0.5 * ((shape[0] - 1) * pitch[0] + self.em_mm) / (1.0 + 1e-6)
         if self.right.reaches(ring) and self.left.reaches(half):
@@ -701,8 +800,12 @@ class _Grid(TextPlace):
         shape = len(lines), max(map(len, lines))
         wide, tall = shape = shape if self.layout.order == "columns" else shape[::-1]
         pitch = self.pitch.copy()
-        if self.layout.around:
-            pitch[0] = self.right.length / wide
+        arc = self.find_arc((tall - 1) * pitch[1])
+        if arc is not None:
+            wished = arc.length / max(wide - 1, 1)
+            pitch[0] *= min(max(wished / pitch[0], 1.0), _MOST_SPREAD)
+        elif self.ring is not None:
+            pitch[0] = self.ring.length / wide
         deepest = tall  # that two neighbours reach: long columns and short ones may take turns
         if self.layout.order == "columns" and wide > 1:
             deepest = max(map(min, pairwise(map(len, lines))))
@@ -722,7 +825,7 @@ class _Grid(TextPlace):
                     return None  # two that are no neighbours: level lines may run together
                 squares = zip(cells, placed, strict=True)
                 return [PlacedCharacter(cell.text, square, cell.line) for cell, square in squares]
-            if self.layout.around and apart[0] > 0.0:
+            if self.ring is not None and arc is None and apart[0] > 0.0:
                 return None
             least = np.array([_LEAST_WIDENING, _LEAST_HEIGHTENING]) * self.em_mm
             pitch += np.where(apart > 0.0, np.maximum(1.2 * apart, least), 0.0)
@@ -744,7 +847,7 @@ class _Grid(TextPlace):
     ) -> list[EmSquare]:
         """The squares of cells of a grid; MeshError where one cannot be laid."""
         block = (shape[1] - 1) * pitch[1]
-        top, left = self._top(block), self._left(shape[0], pitch[0])
+        top, left = self._top(block), self._left(shape[0], pitch[0], self.find_arc(block))
         lines: dict[int, tuple[SurfaceLine, SurfaceLine]] = {}
         squares = []
         for cell in cells:
@@ -760,6 +863,10 @@ class _Grid(TextPlace):
 
     def _column(self, across: float, top: float, bottom: float) -> tuple[SurfaceLine, SurfaceLine]:
         """The lines up and down from the place so many mm to the right of the middle."""
+        if self.ring is not None:
+            frame = self.frame(self.ring.at(across))
+            up = self.walk(frame, (0.0, 1.0), max(top, 0.0))
+            return up, self.walk(frame, (0.0, -1.0), max(-bottom, 0.0))
         if across >= 0.0 or self.right.closed:
             level, distance = self.right, across
         else:
@@ -778,17 +885,22 @@ class _Grid(TextPlace):
             top = min(max(top, low + block), high)
         return top
 
-    def _left(self, wide: int, pitch: float) -> float:
-        if not self.layout.around:
-            return -0.5 * (wide - 1) * pitch
+    def _left(self, wide: int, pitch: float, arc: FreeArc | None) -> float:
+        width = (wide - 1) * pitch
+        if arc is not None:
+            near = 0.0 if self.layout.is_placed else None
+            return arc.middle_for(width, near) - 0.5 * width
+        if not self.layout.around or self.layout.at is not None:
+            return -0.5 * width
         return -(wide - 1) * pitch if self.layout.order == "columns" else 0.0
 
     def _overlaps(self, cells: Sequence[_Cell], squares: Sequence[EmSquare], wide: int) -> AnyArray:
         """The largest overlaps (mm) of neighbours in a row or diagonally, and in a column."""
         at = {(c.across, c.down): square for c, square in zip(cells, squares, strict=True)}
+        goes_round = self.ring is not None and not any(self.free.values())
         worst = np.zeros(2)
         for (across, down), square in at.items():
-            right = (across + 1) % wide if self.layout.around else across + 1
+            right = (across + 1) % wide if goes_round else across + 1
             for key in ((right, down), (right, down + 1), (right, down - 1), (across, down + 1)):
                 other = at.get(key)
                 if other is not None and other is not square:

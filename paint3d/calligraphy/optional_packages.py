@@ -1,4 +1,4 @@
-"""The packages of `paint3d[hand]`: imported when a font or a drawing is first asked for."""
+"""Packages that read fonts, drawings and photographs: imported when one is first asked for."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["import_optional"]
 
 
 def import_optional(name: str) -> Any:
-    """One of the packages that read fonts and drawings.
+    """One of the packages that read fonts, drawings and photographs.
 
     Raises
     ------
@@ -22,7 +22,7 @@ def import_optional(name: str) -> Any:
         return import_module(name)
     except ImportError:
         raise InputError(
-            "fonts and drawings need {package}, which is not installed",
+            "fonts, drawings and photographs need {package}, which is not installed",
             package=name.split(".")[0],
             hint="pip install 'paint3d[hand]'",
         ) from None

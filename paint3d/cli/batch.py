@@ -110,6 +110,7 @@ def run(options: argparse.Namespace) -> None:
         check_output_file(options.report, (".json",))
         check_overwriting((options.report,), (options.table,), force=False)
     from paint3d.cli.batches.record import FinishedRows
+    from paint3d.cli.batches.rows import without_lacking
     from paint3d.cli.batches.table import read_table
 
     started = time.perf_counter()
@@ -132,6 +133,8 @@ def run(options: argparse.Namespace) -> None:
             )
     finished = FinishedRows(options.table.with_name(options.table.name + ".finished"), folder)
     left = [row for row in rows if options.again or not finished.has(row)]
+    left, lacking = without_lacking(left)
+    refused += lacking
     by_line = {row.line: row for row in left}
     failed, outcomes = [], list(refused)
     for outcome in refused:
@@ -149,9 +152,9 @@ def run(options: argparse.Namespace) -> None:
     if options.report is not None:
         _write_report(options.report, outcomes, rows)
     if not options.quiet:
-        n_before = len(rows) - len(left)
+        n_before = len(rows) - len(left) - len(lacking)
         sys.stdout.write(_summary(options.table, outcomes, n_before, time.perf_counter() - started))
-    _refuse(options.table, failed, len(rows) + len(refused))
+    _refuse(options.table, failed, len(rows) + len(refused) - len(lacking))
 
 
 def _parse_lines(text: str) -> range:

@@ -12,6 +12,9 @@ from paint3d.cli.options import add_quiet_option
 from paint3d.cli.painting import PaintingOptions, load_object, open_document
 
 if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
     from paint3d.core.arrays import AnyArray
     from paint3d.mesh.bvh import ClosestPoints
     from paint3d.surface.painted_surface import PaintedSurface
@@ -26,6 +29,9 @@ paint3d info poem.p3d
 
 _HEIGHTS = (0.95, 0.75, 0.5, 0.25, 0.05)
 _AROUND = 180
+_LEVELS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
+_BINS, _GAP = 50, 3  # parts of the way round, and how many between two of one handle
+_PROBED_MM = 20.0  # the usual size of a character
 _MOST_SHARE_OF_BARE = 0.1  # of a ring: more is a gap, or a handle that hides much
 
 
@@ -80,8 +86,9 @@ def info_lines(surface: ClosestPoints) -> Iterator[str]:
     if is_flat(surface):
         yield from _flat(surface, "top")
     else:
-        for side in ("outside", "inside"):
-            yield from _around(surface, side)
+        yield from _around(surface, "outside")
+        yield from _in_the_way(surface)
+        yield from _around(surface, "inside")
         yield from _flat(surface, "top")
     yield from _flat(surface, "bottom")
 
@@ -111,6 +118,52 @@ def _around(surface: ClosestPoints, side: str) -> Iterator[str]:
     yield f"  0.1 of V is {0.1 * (high - low):.1f} mm of height"
     if any("*" in row[2] for row in rows):
         yield "  * not all around: there are gaps, or something stands before it"
+
+
+def _in_the_way(surface: ClosestPoints) -> Iterator[str]:
+    """What of an object leaves no room for a brush of the usual size, part by part."""
+    import numpy as np
+
+    from paint3d.brush.presets import brush_for
+    from paint3d.calligraphy.free_arc import Ring
+    from paint3d.calligraphy.layout import Layout, WritingArea, start_around, walking_step
+    from paint3d.errors import InputError
+    from paint3d.mesh.placement import turns_of, walk
+
+    crowded = np.zeros((len(_LEVELS), _BINS), bool)
+    for k, v in enumerate(_LEVELS):
+        try:
+            start = start_around(WritingArea(surface), Layout(around=True), _PROBED_MM, v)
+            up, step = np.array([0.0, 0.0, 1.0]), walking_step(_PROBED_MM)
+            right, left = (walk(surface, start, up, (way, 0.0), None, step) for way in (1.0, -1.0))
+            ring = Ring(surface, right, left, up, _PROBED_MM)
+        except InputError:
+            continue
+        near = ring.points[ring.crowded(brush_for(_PROBED_MM).length_mm)]
+        crowded[k, (turns_of(surface.mesh, near) * _BINS).astype(int) % _BINS] = True
+    for first, n in _runs_round(np.asarray(crowded.any(axis=0))):
+        levels = np.flatnonzero(crowded[:, (first + np.arange(n)) % _BINS].any(axis=1))
+        lowest, highest = (_LEVELS[j] for j in (levels[0], levels[-1]))
+        yield (
+            f"  in the way of a brush: {first / _BINS:.2f} to {(first + n) / _BINS % 1.0:.2f} of U "
+            f"(a handle?), at V from {lowest:g} to {highest:g}"
+        )
+
+
+def _runs_round(crowded: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Where runs of a ring begin and how long they are, over small gaps; none all round."""
+    import numpy as np
+
+    n = len(crowded)
+    wide = crowded.copy()
+    for k in range(1, _GAP + 1):
+        wide |= np.roll(crowded, k)
+    if wide.all() or not wide.any():
+        return []
+    start = int(np.flatnonzero(~wide)[0])
+    turned = np.concatenate([[False], np.roll(wide, -start), [False]])
+    edges = np.flatnonzero(np.diff(turned.astype(int))).reshape(-1, 2)
+    return [((start + a) % n, b - a - _GAP) for a, b in edges.tolist()]
 
 
 def _length(points: AnyArray) -> tuple[float, float]:

@@ -89,6 +89,7 @@ __all__ = [
     "carry_out",
     "check_files",
     "run",
+    "say_if_hidden",
     "settings_of",
     "settle_size",
     "sign",
@@ -105,6 +106,8 @@ _RECORDINGS = (".jsonl", ".csv", ".jsonl.gz", ".csv.gz")
 _TECHNIQUES = ("zhongfeng", "cefeng", "pianfeng")
 _USUAL_MM, _GAP = 20.0, 0.1
 _FINE, _FINER = 40.0, 75.0  # vertices to a character's side: fewer show ragged strokes; enough
+_SEEN = 1.0 / 3.0  # of the way round a body: what is not too oblique from one side
+_LEVEL = 0.9  # height of a unit normal from which on a surface lies flat
 _LOG = logging.getLogger("paint3d")
 
 
@@ -185,10 +188,12 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
         help="columns from right to left, or rows (default: columns; with --font as its script is "
         "written)",
     )
-    where = place.add_mutually_exclusive_group()
-    add_at_option(where, "the text's")
-    where.add_argument(
-        "--around", action="store_true", help="spread the text evenly around the body"
+    add_at_option(place, "the text's")
+    place.add_argument(
+        "--around",
+        action="store_true",
+        help="spread the text evenly around the body, as columns or, with --layout row, as a row; "
+        "beside a handle it takes the free arc. --at says where its middle goes",
     )
     add_side_option(place)
     place.add_argument(
@@ -294,6 +299,8 @@ def carry_out(
     written = plan(options, surface, write, settings, source, dips, seconds)
     if options.text is not None and not as_outlines:
         _say_if_coarse(settings.em_mm, surface)
+        if not options.around:
+            say_if_hidden(written, surface)
     if trials:
         written = _rehearsed(written, surface, wanted, seconds, trials, sheet)
     recording = inked(written, surface)
@@ -378,6 +385,29 @@ def _say_if_coarse(em_mm: float, surface: PaintedSurface) -> None:
         )
 
 
+def say_if_hidden(written: Written, surface: PaintedSurface) -> None:
+    """Tell that a text goes farther round a body than one sees from one side."""
+    import numpy as np
+
+    from paint3d.mesh.placement import turns_of
+
+    mesh = surface.source
+    boxes = np.concatenate([piece.square.points.reshape(-1, 3) for piece in written.placed])
+    normals = np.array([piece.square.chart.frame.normal for piece in written.placed])
+    radii = boxes[:, :2] - np.asarray(mesh.body_axis)
+    outwards = [piece.square.chart.frame.origin[:2] - mesh.body_axis for piece in written.placed]
+    if (normals[:, :2] * np.array(outwards)).sum(axis=1).min() <= 0.0:
+        return  # within a bowl, or on what is flat
+    turns = np.sort(turns_of(mesh, boxes))
+    span = 1.0 - float(np.diff(turns, append=turns[0] + 1.0).max())
+    if span > _SEEN and np.abs(normals[:, 2]).max() < _LEVEL:
+        girth = 2.0 * np.pi * float(np.linalg.norm(radii, axis=1).mean())
+        _LOG.warning(
+            "the text goes %.0f of %.0f mm round: from one side about %.0f are seen",
+            span * girth, girth, _SEEN * girth,
+        )  # fmt: skip
+
+
 def inked(written: Written, surface: PaintedSurface) -> Recording:
     """The recording of a plan, as dry and as pale as it asks for on this surface."""
     from paint3d.calligraphy.flying_white import with_ink
@@ -417,6 +447,7 @@ def signature_of(options: argparse.Namespace) -> Signature:
         raise InputError("--sign has no characters; expected a signature")
     asked.svg = asked.strokes = asked.at = None
     asked.around = False
+    asked.layout = asked.layout or "columns"
     cut = None
     if options.seal:
         from paint3d.calligraphy.fonts.fallback import with_fallback
@@ -542,7 +573,7 @@ def check_files(
 
 def planner(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[str, str]]:
     """What plans a page, or a text in characters that are known, and where these are from."""
-    from paint3d.calligraphy.glyph_sources import missing_glyphs, open_glyphs
+    from paint3d.calligraphy.glyph_sources import has_letters, missing_glyphs, open_glyphs
     from paint3d.calligraphy.writing import write_page, write_text
 
     with ProgressBar("looking", enabled=not options.quiet):
@@ -550,7 +581,7 @@ def planner(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[s
     if page is not None:
         return partial(write_page, composer=page), {}
     source = open_glyphs(options.glyphs)
-    if options.around or missing_glyphs(source, options.text):
+    if has_letters(options.text) or missing_glyphs(source, options.text):
         from paint3d.calligraphy.fonts.fallback import set_whole, with_fallback
 
         page = set_whole(source, options.text, options.layout, around=options.around)

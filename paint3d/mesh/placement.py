@@ -17,6 +17,7 @@ from paint3d.core.polyline import interpolate
 from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceFrame, frame_at
+from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
     "FACES",
@@ -26,6 +27,7 @@ __all__ = [
     "is_flat",
     "place",
     "ring",
+    "turns_of",
     "upwards",
     "walk",
 ]
@@ -190,6 +192,13 @@ def ring(surface: ClosestPoints, v: float, side: str, n: int = 180) -> NDArray[n
         normals = surface.find(points[seen]).normals
         points[seen[(normals * way[seen]).sum(axis=1) >= 0.0]] = np.nan
     return points
+
+
+def turns_of(mesh: TriangleMesh, points: AnyArray) -> NDArray[np.float64]:
+    """The U (N,) of points (N, 3): the turns about the axis of the body, as `place` counts them."""
+    x, y = (points[:, :2] - np.asarray(mesh.body_axis)).T
+    turns: NDArray[np.float64] = (np.arctan2(y, x) / (2.0 * math.pi) + 0.75) % 1.0
+    return turns
 
 
 def _ray(surface: ClosestPoints, at: AnyArray, side: str) -> tuple[AnyArray, AnyArray]:

@@ -373,12 +373,46 @@ def test_a_text_of_letters_that_no_squares_hold_is_set_whole_in_one_font(
     assert set_text is not None
     assert (set_text.text, set_text.font.name) == ("Maria Löwe", "Beta Serif")
     assert [one.getMessage() for one in caplog.records] == [
-        "kanjivg lacks ö: the text is written in Beta Serif"
+        "Maria Löwe is written in the font Beta Serif"
     ]
-    for text in ("Maria", "永和", "步", "Mariaα"):
+    for text in ("永和", "步", "Mariaα", "2026"):
         assert set_whole(SOURCE, text, None) is None
     with pytest.raises(GlyphError, match=r"which fonts have.* such as Beta Serif"):
         with_fallback(SOURCE, "Maria Löwe")
+
+
+def test_letters_stand_in_words_of_a_font_by_hand_where_there_is_one(system_fonts) -> None:
+    """Also those that kanjivg has, but not where columns are asked for."""
+    assert set_whole(SOURCE, "Lena", None) is None
+    system_fonts.add("Alpha Serif", "LenaИван")
+    for text in ("Lena", "Иван"):
+        assert set_whole(SOURCE, text, "row").font.name == "Alpha Serif"
+    system_fonts.add("Beta Script", "Lena")
+    assert set_whole(SOURCE, "Lena", None).font.name == "Beta Script"
+    assert set_whole(SOURCE, "Иван", None).font.name == "Alpha Serif"
+    assert set_whole(SOURCE, "Lena", "columns") is None
+
+
+def test_a_word_is_one_piece_beside_characters_in_squares(system_fonts, caplog) -> None:
+    system_fonts.add("Beta Script", "Lena")
+    mixed = set_whole(SOURCE, "生日 Lena\n永", None)
+    assert [one.getMessage() for one in caplog.records] == [
+        "Lena is written in the font Beta Script"
+    ]
+    pieces = mixed.compose(math.inf).pieces
+    assert [piece.glyph.text for piece in pieces] == [*"生日Lena永"]
+    assert [piece.word for piece in pieces] == [(0, 0), (0, 1), *[(0, 2)] * 4, (1, 0)]
+    for piece in pieces[:2]:
+        assert piece.glyph is SOURCE.load(piece.glyph.text)
+    left, lower, right, _ = np.array([piece.box for piece in pieces[:6]]).T
+    assert (left[1:] > left[:-1]).all()
+    assert right[0] == left[1]
+    assert left[2] > right[1] + 200.0, "a space"
+    assert lower[2:].min() > lower[0], "letters stand on the line of the squares"
+    assert pieces[6].at[1] < pieces[0].at[1] - 1024.0
+    assert len({piece.at[1] for piece in mixed.compose(3000.0).pieces}) > 2, (
+        "it breaks at the space"
+    )
 
 
 def test_words_that_go_around_are_set_in_a_font_and_squares_are_not(system_fonts) -> None:

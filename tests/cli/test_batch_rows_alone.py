@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import os
 from pathlib import Path
 
@@ -64,3 +65,26 @@ def test_a_row_that_fails_ends_its_job_with_an_error(table, monkeypatch, capsys)
     assert main.main(["batch", str(table), "--rows", "5"]) == 2
     told = capsys.readouterr().err.splitlines()
     assert told == ["t.csv:5: no ink", "paint3d: error: t.csv: 1 of 1 rows failed, in line 5"]
+
+
+def test_notes_name_their_row_and_what_a_font_lacks_is_told_first(
+    table, tmp_path, monkeypatch, capsys, system_fonts
+) -> None:
+    def run(options) -> None:
+        logging.getLogger("paint3d.calligraphy").warning("blots: %s", options.text)
+        options.out.write_text("painted")
+
+    monkeypatch.setattr("paint3d.cli.write.run", run)
+    system_fonts.add("Test Serif", "Len永")
+    rows = "永,bowl,50%.ply,\nLena,bowl,b.ply,Test Serif\nLen,bowl,c.ply,Test Serif\n"
+    table.write_text("text,object,output,font\n" + rows, encoding="utf-8")
+    assert main.main(["batch", str(table), "--rows", "2-4"]) == 2
+    told = capsys.readouterr()
+    first, *notes = [line for line in told.err.splitlines() if "t.csv:3" in line or "note" in line]
+    assert first.startswith("t.csv:3: Test Serif has no glyph for 'a' (U+0061)")
+    assert notes == [
+        "paint3d: note: line 2, 50%.ply: blots: 永", "paint3d: note: line 4, c.ply: blots: Len"
+    ]  # fmt: skip
+    assert "2 painted" in told.out
+    assert "0 finished before, 1 failed" in told.out
+    assert "1 of 3 rows failed" in told.err

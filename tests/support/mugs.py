@@ -1,4 +1,4 @@
-"""Mugs with a handle, whose wall goes on where the handle stands on it, as in files of parts."""
+"""A mug and a pot whose wall goes on where the handle stands on it, as in files of parts."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ import trimesh
 
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["make_mug"]
+__all__ = ["make_mug", "make_teapot"]
 
 _RADIUS, _HEIGHT = 41.0, 95.0
 
@@ -42,3 +42,21 @@ def make_mug(degrees: float, *, square: bool = False, at: tuple[float, float] = 
     mug = trimesh.util.concatenate([wall, handle])
     mug.apply_translation([*at, 0.0])
     return TriangleMesh(mug.vertices, mug.faces, name="mug")
+
+
+@functools.cache
+def make_teapot() -> TriangleMesh:
+    """A round pot about z, 110 mm wide and 90 mm high: its handle at +x, its spout at -x."""
+    turns = np.linspace(-0.45 * np.pi, 0.4 * np.pi, 25)
+    radii = [0, *(55.0 * np.cos(turns)), 0]
+    heights = [0, *(46.0 + 47.0 * np.sin(turns)), 90]
+    heights[1] = 0.0
+    pot = trimesh.creation.revolve(np.column_stack([radii, heights]), sections=128)
+    handle = trimesh.creation.torus(25.0, 5.0, major_sections=48, minor_sections=24)
+    handle.apply_transform(trimesh.transformations.rotation_matrix(np.pi / 2, [1, 0, 0]))
+    handle.apply_translation([66.0, 0.0, 48.0])
+    spout = trimesh.creation.cylinder(8.0, 70.0, sections=32)
+    spout.apply_transform(trimesh.transformations.rotation_matrix(np.radians(-45), [0, 1, 0]))
+    spout.apply_translation([-70.0, 0.0, 60.0])
+    whole = trimesh.util.concatenate([pot, handle, spout])
+    return TriangleMesh(whole.vertices, whole.faces, name="teapot")

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.stroke_log import ERASES, Stroke
 from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, set_whole, with_fallback
-from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
+from paint3d.calligraphy.glyph_sources import has_letters, load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.layout import LEAST_EM_MM, MOST_EM_MM, Layout, PlacedCharacter, layout_text
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
@@ -327,8 +327,8 @@ class Copybook:
         text: str | Composer = laid.text
         if laid.font:
             text = set_in(laid.text, laid.font, columns=laid.order == "columns")
-        elif laid.around:  # words stay together
-            whole = set_whole(open_glyphs(folder), laid.text, laid.order, around=True)
+        elif has_letters(laid.text):
+            whole = set_whole(open_glyphs(folder), laid.text, laid.order, around=laid.around)
             text = laid.text if whole is None else whole
         return cls(mesh, text, laid.em_mm, laid.layout, folder)
 

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from paint3d.brush.presets import brush_for
 from paint3d.calligraphy.layout import LAYOUTS, LEAST_EM_MM, MOST_EM_MM, Layout
 from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError
@@ -130,7 +131,7 @@ class LaidText:
         """How it is laid out."""
         return Layout(
             self.order, gap=self.gap, between=self.between, point=self.point, turn=self.turn,
-            around=self.around,
+            around=self.around, brush_mm=brush_for(self.em_mm).length_mm,
         )  # fmt: skip
 
     def words(self) -> dict[str, Any]:

@@ -10,7 +10,6 @@ from __future__ import annotations
 import logging
 import math
 import re
-import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -19,10 +18,24 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.calligraphy.fonts.font_file import FontFile, SystemFont, draws, fonts_with, open_font
+from paint3d.calligraphy.fonts.font_file import (
+    FontFile,
+    SystemFont,
+    draws,
+    fonts_with,
+    is_handwriting,
+    open_font,
+)
+from paint3d.calligraphy.fonts.mixed import MixedText, squares_of
 from paint3d.calligraphy.fonts.shaping import Style
 from paint3d.calligraphy.fonts.typesetting import FontText, has_words, set_text
-from paint3d.calligraphy.glyph_sources import GlyphSource, missing_glyphs, names_of
+from paint3d.calligraphy.glyph_sources import (
+    GlyphSource,
+    has_letters,
+    is_square_letter,
+    missing_glyphs,
+    names_of,
+)
 from paint3d.calligraphy.glyphs import Glyph
 from paint3d.calligraphy.optional_packages import import_optional
 from paint3d.calligraphy.page.page import as_multipolygon
@@ -179,7 +192,7 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
             names=names_of(missing),
             cause=cause,
         ) from None
-    found = _fonts_for([one for one in missing if _is_square_letter(one)])
+    found = _fonts_for([one for one in missing if is_square_letter(one)])
     lacking = [one for one in missing if one not in found]
     if lacking and (whole := _best_font(text)) is not None:
         raise GlyphError(
@@ -212,11 +225,12 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
 
 def set_whole(
     source: GlyphSource, text: str, order: str | None, *, around: bool = False
-) -> FontText | None:
-    """A text that is to be set whole in a font of the system, and in which is logged in one line.
+) -> FontText | MixedText | None:
+    """A text that is to be set in a font of the system, and in which is logged in one line.
 
-    It is one with letters or marks that the source lacks and that do not stand in squares; and one
-    of words that goes around an object, since letters in squares would go there one by one.
+    It is one with letters of an alphabet, which stand in words, in rows; in columns only words that
+    go around an object, and what the source lacks. Characters that stand in squares remain those of
+    the source beside words of a row.
 
     Parameters
     ----------
@@ -229,7 +243,7 @@ def set_whole(
 
     Returns
     -------
-    FontText or None
+    FontText, MixedText or None
         None where it can be written in squares, no font has all of it, or fonts cannot be read.
 
     Raises
@@ -237,31 +251,26 @@ def set_whole(
     InputError
         If the font cannot be used.
     """
-    lacking = [one for one in missing_glyphs(source, text) if not _is_square_letter(one)]
-    in_words = around and has_words(text)
-    if not (lacking or in_words):
+    lacking = [one for one in missing_glyphs(source, text) if not is_square_letter(one)]
+    in_rows = order != "columns" and has_letters(text)
+    if not (lacking or in_rows or (around and has_words(text))):
         return None
     try:
         import_optional("uharfbuzz")
     except InputError:  # with_fallback says so, where it matters
         return None
+    squares = squares_of(text)
+    words = "".join(one for one in text if one not in squares)
+    if in_rows and squares and (font := _best_font(words)) is not None:
+        opened = open_font(font.path, font.number)
+        _LOG.warning("%.40s is written in the font %s", " ".join(words.split()), font.family)
+        return MixedText(text, with_fallback(source, squares), opened)
     font = _best_font(text)
     if font is None:
         return None
     found = set_text(text, open_font(font.path, font.number), Style(), source, order)
-    if lacking:
-        _LOG.warning(
-            "%s lacks %s: the text is written in %s", source.name, "".join(lacking), font.family
-        )
-    else:
-        _LOG.warning("words that go around are written in a font: in %s", font.family)
+    _LOG.warning("%.40s is written in the font %s", " ".join(text.split()), font.family)
     return found
-
-
-def _is_square_letter(character: str) -> bool:
-    """Return whether it is a letter or number of Chinese, Japanese or Korean, not a mark."""
-    is_wide = unicodedata.east_asian_width(character) in "WF"
-    return is_wide and unicodedata.category(character)[0] in "LN"
 
 
 def _fonts_for(characters: Sequence[str]) -> dict[str, SystemFont]:
@@ -276,11 +285,12 @@ def _fonts_for(characters: Sequence[str]) -> dict[str, SystemFont]:
 def _best_font(text: str) -> SystemFont | None:
     """The font that comes first of those that have ink for all characters of a text.
 
-    Of a text of words that is one without Chinese characters, where there is one.
+    Of a text of words that is one without Chinese characters, where there is one, and of a hand
+    rather than of print.
     """
     regions = _SIMPLIFIED if _is_simplified(text) else _TRADITIONAL
 
-    in_words = not any(map(_is_square_letter, text))
+    in_words = not any(map(is_square_letter, text))
     chinese = {font.path for font in fonts_with(_REFERENCE[0])} if in_words else set()
 
     def rank(font: SystemFont) -> tuple[object, ...]:
@@ -288,7 +298,8 @@ def _best_font(text: str) -> SystemFont | None:
         kind = 0 if _KAI.search(family) else 1 if _SONG.search(family) else 2
         is_plain = font.style.casefold() in _PLAIN
         is_ours = bool(regions & set(family.casefold().split()))
-        first = font.path in chinese, kind, not is_plain, not is_ours
+        is_print = in_words and not is_handwriting(font)
+        first = font.path in chinese, is_print, kind, not is_plain, not is_ours
         return *first, family, font.style, str(font.path), font.number
 
     return next((font for font in sorted(fonts_with(text), key=rank) if draws(font, text)), None)

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import logging
+import re
 import subprocess
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -30,6 +31,7 @@ __all__ = [
     "draws",
     "fonts_that_draw",
     "fonts_with",
+    "is_handwriting",
     "list_fonts",
     "match_font",
     "open_font",
@@ -158,6 +160,10 @@ _FLATNESS = 0.15  # glyph units that a chord may stray from its curve
 _SUFFIXES = (".ttf", ".otf", ".ttc", ".otc", ".woff", ".woff2")
 _NO_EMBEDDING = 0x2  # of fsType: restricted licence
 _LICENCE, _LICENCE_URL, _COPYRIGHT, _FULL_NAME, _VERSION = 13, 14, 0, 4, 5
+_BY_HAND = re.compile(
+    r"\b(script|cursive|brush|hand|handwriting|handwritten|calligraph\w*|chancery)\b", re.IGNORECASE
+)
+_SCRIPTS, _HAND = 10, 3  # the family's class in OS/2; the kind of family in PANOSE
 _SOME = 4  # fonts that are named where another one lacks a character
 
 _FILLERS = "\u115f\u1160\u3164\uffa0"
@@ -295,6 +301,23 @@ def draws(one: SystemFont, text: str) -> bool:
         return False
     font = FontFile(one.path, face, hb.Font(face))
     return not any(_is_drawn(character) and font._lacks_glyph(character) for character in text)
+
+
+@lru_cache(maxsize=2048)
+def is_handwriting(one: SystemFont) -> bool:
+    """Return whether a face looks handwritten: by its family's name, or as its maker classed it.
+
+    That is the class of scripts in OS/2, or a hand in its PANOSE number.
+    """
+    if _BY_HAND.search(one.family):
+        return True
+    hb = import_optional("uharfbuzz")
+    try:
+        face = hb.Face(hb.Blob.from_file_path(str(one.path)), one.number)
+        os2 = bytes(face.reference_table("OS/2").data or b"")
+    except (OSError, hb.HarfBuzzError):
+        return False
+    return len(os2) > 32 and (os2[30] == _SCRIPTS or os2[32] == _HAND)
 
 
 def _is_drawn(character: str) -> bool:

@@ -9,8 +9,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
+from paint3d.calligraphy.free_arc import FreeArc, Ring, in_the_way_error
 from paint3d.calligraphy.glyphs import EM_UNITS, Box, Glyph
 from paint3d.calligraphy.layout import (
     Layout,
@@ -18,10 +20,12 @@ from paint3d.calligraphy.layout import (
     WritingArea,
     find_writing_areas,
     frames_to_try,
+    start_around,
     upright_frame,
     with_suggestion,
 )
 from paint3d.calligraphy.page.page import Composer, Page, Piece, bounds_of
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
@@ -35,6 +39,7 @@ _MOST_PLACES = 12
 _ROUNDING = 1e-6  # of a length
 _SHARED = 0.02  # of the em: corners of boxes that share this much more than on the page are apart
 _SEAM = 0.5  # ems between the end of a text and where it begins anew, all around a body: at least
+_MOST_MORE = 0.5 * EM_UNITS  # by which words are drawn apart along a free arc
 _FAR = 1.5  # times the room, which other heights may have more of: what is larger is not composed
 
 
@@ -104,7 +109,7 @@ def _lay_on_area(
     composed: Page | None = None  # in one line, or broken as little as was tried
     areas, layout = find_writing_areas(surface, layout)
     area = areas[0]  # of a couplet, the panel on the right
-    for n, frame in enumerate(_places(area, layout)):
+    for n, frame in enumerate(_places(area, layout, em_mm)):
         if n == most_places:
             break
         sheet = _Sheet(area, em_mm, layout, limits, frame)
@@ -125,10 +130,10 @@ def _lay_on_area(
     raise _too_large(surface, composed, em_mm, fault)
 
 
-def _places(area: WritingArea, layout: Layout) -> Iterator[SurfaceFrame]:
+def _places(area: WritingArea, layout: Layout, em_mm: float) -> Iterator[SurfaceFrame]:
     """Places where the page's middle may lie: the one asked for, or one after another."""
     if layout.is_placed or layout.around:
-        yield area.middle(layout)
+        yield start_around(area, layout, em_mm)
         return
     turned = bool(layout.turn) or area.apex is not None
     for frame in frames_to_try(area.surface, layout.side):
@@ -172,6 +177,7 @@ class _Sheet(TextPlace):
         self.scale = self.em_mm / EM_UNITS
         self.too_small: MeshError | None = None  # why pages were not even composed
         self._levels: dict[tuple[float, float], SurfaceLine] = {}
+        self._rings: dict[float, Ring] = {}
 
     def pages(self, composer: Composer) -> Iterator[Page]:
         """The text in one line, then broken to more and more, but for what is far too large.
@@ -204,6 +210,9 @@ class _Sheet(TextPlace):
         """Greatest length of a line of text, mm."""
         if composer.runs_down:
             return sum(self.climb(sign).length for sign in (1.0, -1.0))
+        with suppress(MeshError):
+            if self.layout.around and (arc := self._find_arc([0.0])) is not None:
+                return arc.length + self.em_mm
         right = self._level_line(0.0, 1.0)
         if right.closed:
             return right.length
@@ -217,13 +226,10 @@ class _Sheet(TextPlace):
         MeshError
             If the surface ends within the page, or a piece has no place on it.
         """
-        in_words = self.layout.around and all(piece.word is not None for piece in page.pieces)
-        if self.layout.around and not in_words:
-            page = self._spread_around(page)
         fault: MeshError | None = None
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
-                laid = self._wrap_around(page, move * self.em_mm) if in_words else page
+                laid = self._arrange(page, move * self.em_mm)
                 placed = [self._lay_piece(piece, laid, move * self.em_mm) for piece in laid.pieces]
                 self._check_apart(laid, placed)
                 return placed
@@ -231,6 +237,94 @@ class _Sheet(TextPlace):
                 fault = fault or cause
         assert fault is not None
         raise fault
+
+    def _arrange(self, page: Page, move: float) -> Page:
+        """A page as it is laid; of one that goes around a body x is counted from the place."""
+        if not self.layout.around:
+            return page
+        arc = self._find_arc(self._heights(page, move))
+        if arc is not None:
+            return self._along(page, arc)
+        if all(piece.word is not None for piece in page.pieces):
+            return self._wrap_around(page, move)
+        return self._spread_around(page)
+
+    def _heights(self, page: Page, move: float) -> list[float]:
+        """Middles of the lines of a page, mm above the place."""
+        _, lower, _, upper = page.bounds
+        middle = 0.5 * (lower + upper)
+        return sorted({round(self.scale * (one.at[1] - middle) + move, 6) for one in page.pieces})
+
+    def _find_arc(self, heights: Sequence[float]) -> FreeArc | None:
+        """The free arc for lines at such heights, mm; None where nothing is in the way."""
+        found = [self._arc_at(one) for one in heights]
+        arcs = [arc for arc in found if arc is not None]
+        if not arcs:
+            return None
+        start, end = max(arc.start for arc in arcs), min(arc.end for arc in arcs)
+        return replace(arcs[0], start=start, end=max(start, end))
+
+    def _arc_at(self, height: float) -> FreeArc | None:
+        if height not in self.free:
+
+            def is_free(point: AnyArray) -> bool:
+                try:
+                    frame = upright_frame(self.surface, point, self.up)
+                    lay_square(self.surface, frame, self.em_mm, self.for_brush)
+                except InputError:
+                    return False
+                return True
+
+            self.free[height] = self._ring_at(height).find_arc(
+                self.for_brush.room_mm, (0.0,), is_free,
+                placed=self.layout.is_placed, centred=self.layout.at is not None,
+            )  # fmt: skip
+        return self.free[height]
+
+    def _ring_at(self, height: float) -> Ring:
+        if height not in self._rings:
+            right, left = (self._level_line(height, sign) for sign in (1.0, -1.0))
+            self._rings[height] = Ring(self.surface, right, left, self.up.up, self.em_mm)
+        return self._rings[height]
+
+    def _along(self, page: Page, arc: FreeArc) -> Page:
+        """A page along a free arc: drawn out a little where there is room, and in its middle.
+
+        Words stay whole.
+
+        Raises
+        ------
+        MeshError
+            If it is longer than the arc.
+        """
+        left, _, right, _ = page.bounds
+        room = (arc.length + self.em_mm) / self.scale
+        if right - left > room * (1.0 + _ROUNDING):
+            raise in_the_way_error(
+                MeshError(
+                    "beside it {room:.0f} mm are free round {object}, and {width:.0f} mm are taken",
+                    room=self.scale * room,
+                    width=self.scale * (right - left),
+                    object=self.surface.mesh.name,
+                ),
+                arc.obstacle,
+            )
+        shifts: dict[tuple[int, int], float] = {}
+        widest = right - left
+        for line, words in _words_of(page).items():
+            start, _, end, _ = bounds_of(box for boxes in words.values() for box in boxes)
+            gaps = max(len(words) - 1, 1)
+            more = min((room - (end - start)) / gaps, _MOST_MORE) if len(words) > 1 else 0.0
+            for k, word in enumerate(_from_left(words)):
+                shifts[line, word] = more * (k - 0.5 * (len(words) - 1)) - 0.5 * (start + end)
+            widest = max(widest, end - start + more * (len(words) - 1))
+        near = 0.0 if self.layout.is_placed else None
+        middle = arc.middle_for(max(self.scale * widest - self.em_mm, 0.0), near) / self.scale
+        pieces = [
+            replace(piece, at=(middle + piece.at[0] + shifts[_word_of(piece, k)], piece.at[1]))
+            for k, piece in enumerate(page.pieces)
+        ]
+        return replace(page, pieces=tuple(pieces))
 
     def _check_apart(self, page: Page, placed: Sequence[PlacedPiece]) -> None:
         """Refuse pieces that lie on each other farther than they do on the page."""
@@ -259,7 +353,9 @@ class _Sheet(TextPlace):
         gap = self.layout.gap * EM_UNITS
         wanted = self._ring_length(0.0, right - left + gap)
         more = wanted / (right - left + gap)
-        pieces = [Piece(piece.glyph, (more * piece.at[0], piece.at[1])) for piece in page.pieces]
+        spread = [Piece(one.glyph, (more * one.at[0], one.at[1])) for one in page.pieces]
+        left, _, right, _ = bounds_of(one.box for one in spread)
+        pieces = [Piece(one.glyph, (one.at[0] - 0.5 * (left + right), one.at[1])) for one in spread]
         return replace(page, pieces=tuple(pieces))
 
     def _wrap_around(self, page: Page, move: float) -> Page:
@@ -270,12 +366,11 @@ class _Sheet(TextPlace):
         """
         _, lower, _, upper = page.bounds
         seam = max(self.layout.gap, _SEAM) * EM_UNITS
-        lines: dict[int, dict[int, list[Box]]] = {}
+        lines = _words_of(page)
         rings: dict[int, float] = {}
         widths: dict[int, float] = {}
         for piece in page.pieces:
-            line, word = piece.word or (0, 0)
-            lines.setdefault(line, {}).setdefault(word, []).append(piece.box)
+            line, _ = piece.word or (0, 0)
             rings[line] = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
         for line, words in lines.items():
             left, _, right, _ = bounds_of(box for boxes in words.values() for box in boxes)
@@ -287,7 +382,7 @@ class _Sheet(TextPlace):
             more = (rings[line] / copies - widths[line] - seam) / len(words)
             starts = {word: bounds_of(boxes)[0] for word, boxes in words.items()}
             whole = widths[line] + more * (len(words) - 1)
-            for k, word in enumerate(sorted(starts, key=lambda word: starts[word])):
+            for k, word in enumerate(_from_left(words)):
                 shifts[line, word] = k * more - 0.5 * whole - min(starts.values())
         pieces = []
         for copy in range(copies):
@@ -298,15 +393,14 @@ class _Sheet(TextPlace):
         return replace(page, pieces=tuple(pieces))
 
     def _ring_length(self, height: float, least: float) -> float:
-        """Length of the level line so many mm above the middle, glyph units, if it is closed.
+        """Length of the level line so many mm above the middle, glyph units.
 
         Raises
         ------
         MeshError
             If it does not come back to its start, or is shorter than `least`, glyph units.
         """
-        ring = self._level_line(round(height, 6), 1.0)
-        self.check_closed(ring)
+        ring = self._ring_at(round(height, 6))
         wanted = ring.length / self.scale
         if least > wanted * (1.0 + _ROUNDING):
             raise MeshError(
@@ -319,20 +413,25 @@ class _Sheet(TextPlace):
 
     def _lay_piece(self, piece: Piece, page: Page, move: float) -> PlacedPiece:
         left, lower, right, upper = page.bounds
-        in_ribbon = self.layout.around and piece.word is not None
-        x = self.scale * (piece.at[0] - (0.0 if in_ribbon else 0.5 * (left + right)))
+        x = self.scale * (piece.at[0] - (0.0 if self.layout.around else 0.5 * (left + right)))
         y = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
-        level = self._level_line(round(y, 6), 1.0)
-        if not level.closed and x < 0.0:
-            level, x = self._level_line(round(y, 6), -1.0), -x
-        too_wide = not in_ribbon and self.scale * (right - left) > level.length * (1.0 + _ROUNDING)
-        if too_wide if level.closed else x > level.length:
-            raise self.surface_ends_error()
-        frame = self.frame(level.at(x))
+        frame = self.frame(self._point_at(x, round(y, 6), right - left))
         box = piece.glyph.box
         size = self.scale * (box[2] - box[0]), self.scale * (box[3] - box[1])
         square = lay_square(self.surface, frame, self.em_mm, self.limits, size)
         return PlacedPiece(piece.glyph, square)
+
+    def _point_at(self, x: float, height: float, width: float) -> AnyArray:
+        """The point (3,) so many mm right of the place and above it, of a page of a width."""
+        if self.layout.around:
+            return self._ring_at(height).at(x)
+        level = self._level_line(height, 1.0)
+        if not level.closed and x < 0.0:
+            level, x = self._level_line(height, -1.0), -x
+        too_wide = self.scale * width > level.length * (1.0 + _ROUNDING)
+        if too_wide if level.closed else x > level.length:
+            raise self.surface_ends_error()
+        return level.at(x)
 
     def _level_line(self, height: float, sign: float) -> SurfaceLine:
         """The level line to the right, or with -1 to the left, so many mm above the middle."""
@@ -343,3 +442,20 @@ class _Sheet(TextPlace):
             frame = self.frame(climb.at(abs(height)))
             self._levels[height, sign] = self.walk(frame, (sign, 0.0))
         return self._levels[height, sign]
+
+
+def _words_of(page: Page) -> dict[int, dict[int, list[Box]]]:
+    """The boxes of a page's pieces by line and word; what is no word is one by itself."""
+    lines: dict[int, dict[int, list[Box]]] = {}
+    for k, piece in enumerate(page.pieces):
+        line, word = _word_of(piece, k)
+        lines.setdefault(line, {}).setdefault(word, []).append(piece.box)
+    return lines
+
+
+def _word_of(piece: Piece, k: int) -> tuple[int, int]:
+    return (0, k) if piece.word is None else piece.word
+
+
+def _from_left(words: dict[int, list[Box]]) -> list[int]:
+    return sorted(words, key=lambda word: bounds_of(words[word])[0])

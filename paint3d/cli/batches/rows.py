@@ -4,9 +4,12 @@ from __future__ import annotations
 
 import hashlib
 import json
+import logging
 import os
 import time
-from collections.abc import Iterator
+import unicodedata
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache, partial
 from importlib import import_module
 from pathlib import Path
@@ -20,7 +23,7 @@ from paint3d.colour.ink_text import tables_in, with_tables
 from paint3d.errors import Paint3DError
 from paint3d.mesh.sheets import is_sheet
 
-__all__ = ["Outcome", "Row", "command_parser", "fingerprint", "run_row"]
+__all__ = ["Outcome", "Row", "command_parser", "fingerprint", "run_row", "without_lacking"]
 
 _INKS = ("--ink", "--tip")
 _PARAMETERS = ("--brush", "--material")
@@ -108,7 +111,8 @@ def run_row(row: Row) -> Outcome:
     try:
         command, *arguments = row.arguments
         keep_bare_surfaces()
-        _module(command).run(command_parser(command).parse_args(arguments))
+        with _named_notes(row):
+            _module(command).run(command_parser(command).parse_args(arguments))
         message = ""
     except (UsageError, Paint3DError) as cause:
         message = str(cause)
@@ -120,6 +124,51 @@ def run_row(row: Row) -> Outcome:
         message = f"unexpected {type(cause).__name__}: {cause}"
     seconds = time.perf_counter() - started
     return Outcome(row.line, " ".join(message.split()), seconds, find_versions()["paint3d"])
+
+
+def without_lacking(rows: Sequence[Row]) -> tuple[list[Row], list[Outcome]]:
+    """The rows whose fonts have all characters, and the refusals of the others."""
+    kept, refused = list[Row](), list[Outcome]()
+    for row in rows:
+        try:
+            _check_fonts(row)
+        except Paint3DError as cause:
+            refused.append(Outcome(row.line, str(cause), 0.0, ""))
+        else:
+            kept.append(row)
+    return kept, refused
+
+
+def _check_fonts(row: Row) -> None:
+    """Refuse a row that asks for a font which lacks characters of its text, or cannot be read."""
+    command, *words = row.arguments
+    pieces = [json.loads(word.partition("=")[2]) for word in words if word.startswith("--piece=")]
+    if command == "write":
+        asked = command_parser(command).parse_args(words)
+        pieces = [{"font": asked.font, "text": asked.text}]
+    for piece in pieces:
+        if piece.get("font") and piece.get("text"):
+            from paint3d.calligraphy.fonts.font_file import open_font
+
+            open_font(piece["font"]).check_has(unicodedata.normalize("NFC", piece["text"]))
+
+
+@contextmanager
+def _named_notes(row: Row) -> Iterator[None]:
+    """Have notes name the row that they are about, unless none are told."""
+    log = logging.getLogger("paint3d")
+    kept = log.handlers[:]
+    if kept and all(isinstance(one, logging.NullHandler) for one in kept):
+        yield
+        return
+    handler = logging.StreamHandler()
+    where = f"line {row.line}, {row.output}".replace("%", "%%")
+    handler.setFormatter(logging.Formatter(f"paint3d: note: {where}: %(message)s"))
+    log.handlers = [handler]
+    try:
+        yield
+    finally:
+        log.handlers = kept
 
 
 def _read(arguments: tuple[str, ...]) -> Iterator[str]:
