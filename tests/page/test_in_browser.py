@@ -986,9 +986,11 @@ def test_the_page_turns_the_object_while_a_long_stroke_is_painted(
     frame = "new Promise(done => requestAnimationFrame(() => requestAnimationFrame(done)))"
     browser.evaluate(frame)
     assert browser.evaluate("window.painted") is False
-    turned = picture(browser, tmp_path / "turned.png")
-    differs = np.abs(turned - before) > 60.0
-    differs[280:480, 320:560] = False  # where it is painted
+    for _ in range(50):  # the first may be of the frame before
+        differs = np.abs(picture(browser, tmp_path / "turned.png") - before) > 60.0
+        differs[280:480, 320:560] = False  # where it is painted
+        if differs[60:].any():
+            break
     assert differs[60:].any()
     browser.call("Input.dispatchMouseEvent", type="mouseReleased", x=760.0, y=320.0, **turning)
     lifted = {**pen, "type": "mouseReleased", "buttons": 0, "force": 0.0}
