@@ -142,7 +142,7 @@ def _is_named(value: object, names: Sequence[str]) -> bool:
 def _parts(ink: str | Mapping[str, float]) -> dict[str, float]:
     """The parts of an ink by the names of its pigments."""
     text = ink if isinstance(ink, str) else _mixed(ink)
-    return {pigment.name: part for pigment, part in load_ink(text).items()}
+    return {pigment.name: part for pigment, part in load_ink(text, own_tables=False).items()}
 
 
 def _mixed(parts: Mapping[str, float]) -> str:
