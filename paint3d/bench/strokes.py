@@ -13,9 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.brush.bending import build_tuft
+from paint3d.brush.bending import tuft_on
 from paint3d.brush.footprint import Footprint, make_footprint
 from paint3d.brush.presets import load_brush
+from paint3d.colour.materials import load_material
 from paint3d.brush.spec import BrushSpec
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import quaternions_from_matrices
@@ -63,7 +64,7 @@ class Dab:
 
 
 def make_dab(brush: str = "full", pressure: float = 1.0) -> Dab:
-    """The dab of a brush as it ships.
+    """The dab of a brush as it ships, on porcelain, which surfaces are of where nothing is said.
 
     Raises
     ------
@@ -71,9 +72,8 @@ def make_dab(brush: str = "full", pressure: float = 1.0) -> Dab:
         For a brush that is not known, or a pressure that leaves no footprint.
     """
     spec = load_brush(brush)
-    footprint = make_footprint(
-        build_tuft(spec), pressure * spec.full_press_mm, 0.5 * math.pi
-    ).rounded()
+    tuft = tuft_on(spec, load_material("porcelain"))
+    footprint = make_footprint(tuft, pressure * spec.full_press_mm, 0.5 * math.pi).rounded()
     return Dab(spec, pressure, footprint)
 
 
