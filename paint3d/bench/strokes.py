@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 from paint3d.brush.bending import tuft_on
 from paint3d.brush.footprint import Footprint, make_footprint
 from paint3d.brush.presets import load_brush
-from paint3d.colour.materials import load_material
 from paint3d.brush.spec import BrushSpec
+from paint3d.colour.materials import load_material
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.device.recorded import Recording
