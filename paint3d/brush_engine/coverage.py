@@ -412,7 +412,7 @@ def _distances(x, y, first, per_mm, last, lines):
 def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover):
     """Time-mean share for the ink, and greatest share covered, of vertices.
 
-    The share is w of docs/model.md, equation (9).
+    The share is w of docs/model.md, equations (9) and (9a).
 
     Parameters
     ----------

@@ -69,8 +69,8 @@ def test_a_layer_glazes_over_what_is_below_whichever_was_painted_first(mesh, dri
         paint(document, *[ACROSS, ALONG][place])
         if dried:
             document.dry()
-    apart = differences(shown(document), wanted)  # a step of a code is up to 0.7
-    assert apart.max() < (1.5 if dried else 0.8)
+    apart = differences(shown(document), wanted)  # a step of a code is up to 0.7, seldom two
+    assert apart.max() < (1.5 if dried else 1.0)
     assert apart.sum() < 0.3 * np.count_nonzero(document.surface.painted)
     assert differences(shown(document), shown(refined(mesh))).max() > 30.0
 
