@@ -172,9 +172,8 @@ def _write_page(
         return "it was to be written with other colours, a unit or an axis"
     try:
         folder.check_built(folder.BUILT, folder.KERNELS)
-    except ExportError as cause:
-        _LOG.warning("%s", cause)
-        return "it was written where the page is not built"
+    except ExportError:
+        return "the page to paint on is not built here (docs/page.md)"
     try:
         score = page_score(painting, part_of(progress, 0.0, 0.5))
         write_single_file(painting, score, file, part_of(progress, 0.5, 1.0), page=folder.BUILT)

@@ -37,7 +37,7 @@ def test_damaged_inputs_of_each_kind(names, cases):
     for name, line in zip(names, lines, strict=True):
         assert line.startswith(f"{name}: {cases:,} cases in ")
         assert line.endswith(", 0 bugs")
-        assert ", 0 read" not in line
+        assert cases < 25 or ", 0 read" not in line  # of a few, all may be past reading
 
 
 def test_a_case_is_made_from_its_number_alone():

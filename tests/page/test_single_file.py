@@ -112,7 +112,7 @@ def test_a_page_that_only_shows_it_says_why(
     save_session(painting, session)
     for name, options, said in (
         (str(session), ["--view-only"], None),
-        (str(session), [], "it was written where the page is not built"),
+        (str(session), [], "the page to paint on is not built here"),
         ("plate", [], "it is no session"),
         (str(session), ["--filaments", "2"], "it was to be written with other colours"),
     ):
