@@ -10,7 +10,7 @@ from itertools import chain
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
@@ -163,8 +163,17 @@ def same_paintings(one: Document, other: Document) -> None:
     )  # fmt: skip
 
 
+STROKE_ON_HIDDEN = (  # which is refused
+    ("set_visible", 0, False), ("stroke", (0.0, 0.0), (0.0, 0.0), 0.5, ""),
+)  # fmt: skip
+
+
 @settings(deadline=None, max_examples=examples(30))
-@given(st.lists(PASSAGES, min_size=2, max_size=6), st.sampled_from(["xuan", "porcelain"]))
+@given(
+    passages=st.lists(PASSAGES, min_size=2, max_size=6),
+    material=st.sampled_from(["xuan", "porcelain"]),
+)
+@example(passages=[STROKE_ON_HIDDEN], material="porcelain")
 def test_a_random_sitting_and_its_replay_are_the_same_to_the_bit(
     tmp_path_factory, passages, material
 ) -> None:

@@ -102,7 +102,7 @@ def _decode_events(
                 raise RecordingError(
                     "{where}: {do}: {cause}", where=score.where(k), do=event["do"], cause=cause
                 ) from None
-            if event["do"] == "begin_stroke":
+            if event["do"] == "begin_stroke" and not event.get("refused"):
                 arguments.setdefault("time_s", 0.0)
         yield k, event, arguments
 
