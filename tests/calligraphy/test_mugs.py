@@ -117,6 +117,7 @@ def test_a_text_around_leaves_the_handle_out_and_stands_opposite_of_it(em, text)
     assert v == pytest.approx(0.5, abs=0.01)
 
 
+@pytest.mark.long
 def test_where_a_text_around_has_its_middle_can_be_said():
     squares, _ = laid(0.0, 16.0, "row", TEXTS[2], around=True, at=(0.4, 0.3))
     u, v = turns_round(squares)
@@ -137,6 +138,7 @@ def test_what_keeps_a_text_around_from_fitting_is_named_with_what_would_do():
         laid(0.0, 20.0, "row", "山高水長山", around=True, at=(0.55, 0.5))
 
 
+@pytest.mark.long
 def test_between_handle_and_spout_a_text_has_one_side_of_a_teapot():
     pot = make_teapot()
     surface = ClosestPoints(pot)
