@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -80,8 +81,8 @@ def test_a_bar_says_how_long_it_still_takes_once_that_is_known(
 
     answer_bar(watch)
     run_beside(window, "work", work).result()
-    assert said[0] == "work"
-    assert said[-1] == "work\nabout 5 s left"
+    assert said[0].splitlines()[0] == "work"  # a late first look may be at the time, too
+    assert re.fullmatch(r"work\nabout \d+ s left", said[-1])
 
 
 class _Watched(jobs.JobProgress):
