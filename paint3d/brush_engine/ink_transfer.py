@@ -230,6 +230,7 @@ _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of wha
 _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
 # speed of a hand at which h is that, the power it falls with, and the least speed that counts
 _EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.35, 4.0
+_LEAST_COVERED = 1.0 / 16.0  # of a vertex's area: what ink lies on counts as no less
 _LEAST_WIDTH = 1e-6  # mm, of a tuft whose liquid is looked for
 _NOTHING = 1e-6  # share of a film
 _MOST_PASSES = 1000
@@ -384,13 +385,14 @@ def _find_heights(turn, stamp, found, n):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _take_less(n, take, coats, heights, brings, draws, per_coat, share):
+def _take_less(n, take, coats, covered, heights, brings, draws, per_coat, share):
     """Let wet paper take less: docs/model.md, equation (12b)."""
     one, half, pooled = np.float32(1.0), np.float32(0.5), np.float32(_POOLED)
+    least = np.float32(_LEAST_COVERED)
     for k in range(n):
         stands = (one + pooled * (heights[k] - half)) * brings[k]
         takes = take[k]
-        wet = coats[k] * per_coat / (takes * takes * stands)
+        wet = coats[k] * per_coat / (takes * takes * stands * max(covered[k], least))
         wet2 = wet * wet
         wet4 = wet2 * wet2
         wet8 = wet4 * wet4
@@ -411,8 +413,9 @@ def _saturate(after, sweep, found, n, ink):
     per_coat = np.float32((speed / _EVEN_MM_S) ** _LINGERS / _SATURATED)
     _find_heights(sweep.to_after, after, found, n)
     _take_less(
-        n, found.take, found.coats, found.heights, found.brings, draws, per_coat, found.share
-    )
+        n, found.take, found.coats, found.covered, found.heights, found.brings, draws, per_coat,
+        found.share,
+    )  # fmt: skip
     return True
 
 
@@ -467,7 +470,6 @@ def _lay_first_film(coats, unit, before, sweep, found, n, field, ink):
         What it takes, coats x mm2; a small part of what the tuft holds at most.
     """
     share, lacks = found.share, found.lacks
-    fetch_found(found, n, ink.coverage, found.covered)
     film = np.float32(coats)
     if _find_lacking(n, film, found.cover, found.take, found.covered, found.coats, lacks):
         _find_heights(sweep.to_before, before, found, n)
@@ -508,6 +510,7 @@ def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
     """
     rest, whole, found, sweep = 1.0, weighed, scratch.found, scratch.sweep[0]
     fetch_found(found, n, field.take, found.take)
+    fetch_found(found, n, ink.coverage, found.covered)
     _fetch_coats(found.runs, found.count[0], found.ids, n, ink.amounts, found.coats)
     if landing > 0.0 and _saturate(after, sweep, found, n, ink):
         weighed = weighed_area(n, found.area, found.share, field.area_step)

@@ -44,6 +44,20 @@ def wet_of(painter, name):
     return float(painter.surface.vertex_areas @ painter.surface.amounts[:, column])
 
 
+@pytest.mark.parametrize("material", ["porcelain", "xuan"])
+def test_the_film_is_as_thick_at_an_edge_as_inside(material: str) -> None:
+    """Else edges are dotted at the pitch of the mesh: 1.4 and 1.6 times before."""
+    painter = Painter(surface(material), "full", "pine soot")
+    painter.replay(stroke(60, 0.3))
+    painted = painter.surface
+    film = painted.amounts.sum(axis=1) / np.maximum(painted.coverage, 1e-6)
+    beside = np.abs(painted.paint_mesh.vertices[: painted.n_vertices, 0]) < 9.0  # no head, no end
+    edge = beside & (painted.coverage > 0.2) & (painted.coverage < 0.5)
+    assert np.count_nonzero(edge) > 10
+    inside = np.median(film[beside & (painted.coverage > 0.99)])
+    assert np.median(film[edge]) == pytest.approx(inside, rel=0.15)
+
+
 def test_a_clean_brush_stays_clean_and_a_thirsty_one_gets_dirty():
     loads = {}
     for pickup in (0.0, 0.05):

@@ -393,6 +393,20 @@ def test_hardly_a_place_at_the_rim_stays_bare_alone() -> None:
     assert bare <= 2
 
 
+def test_pits_that_leave_pores_no_depth_take_few_stages() -> None:
+    """Of a material of somebody's own: a stage is short where a cell is full at once."""
+    coarse = dataclasses.replace(XUAN, name="coarse", grain=1.0, advance=0.7)
+    taken = []
+
+    def count(*arguments: Any) -> int:
+        taken.append(move_water(*arguments))
+        return taken[-1]
+
+    with mock.patch.object(flows, "move_water", count):
+        washed(material=coarse, size=14.0).diffuse(0.5)
+    assert 0 < max(taken) < 60
+
+
 @pytest.mark.parametrize("material", ["xuan", "bisque"])
 def test_beside_what_is_full_nothing_is_bare_but_filled_in_part(material: str) -> None:
     """So the border of what has spread lies between vertices, and not along the mesh."""
