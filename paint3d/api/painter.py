@@ -347,7 +347,8 @@ class Painter(StrokePainter):
             layout=layout,
             header=header,
         )
-        written = replace(written, recording=apply_dip_option(written.recording, self.brush, dip))
+        dipped = apply_dip_option(written.recording, self.brush, dip, self.surface.material)
+        written = replace(written, recording=dipped)
         if correct is not None:
             written = correct(written)
         recording = _inked(written, self.surface)

@@ -17,10 +17,11 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush.bending import build_tuft
+from paint3d.brush.bending import tuft_on
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.brush_engine.ink_transfer import FADING, FILM, FILM_SHARE
+from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import rotate
 from paint3d.device.recorded import Recording
@@ -41,22 +42,26 @@ _ROOM = 2  # characters that a load has to last for at the head of a column
 _LEAST_WETTED = 0.005  # share of a tuft: its point
 
 
-def apply_dip_option(recording: Recording, brush: BrushSpec, wanted: str | int) -> Recording:
+def apply_dip_option(
+    recording: Recording, brush: BrushSpec, wanted: str | int, material: Material
+) -> Recording:
     """A planned recording with the brush dipped as ``--dip`` says.
 
     Parameters
     ----------
-    recording, brush
+    recording, brush, material
         As for `remove_dips`.
     wanted : {"auto", "always"} or int
         "always": the whole tuft before every character, as it was planned.
     """
     if wanted == "always":
         return recording
-    return remove_dips(recording, brush, None if wanted == "auto" else int(wanted))
+    return remove_dips(recording, brush, None if wanted == "auto" else int(wanted), material)
 
 
-def remove_dips(recording: Recording, brush: BrushSpec, every: int | None = None) -> Recording:
+def remove_dips(
+    recording: Recording, brush: BrushSpec, every: int | None, material: Material
+) -> Recording:
     """Dip the brush before some characters only, and in so little ink as these take.
 
     Parameters
@@ -65,9 +70,11 @@ def remove_dips(recording: Recording, brush: BrushSpec, every: int | None = None
         Its dip button goes down before every character, as in a planned text.
     brush : BrushSpec
         That it is painted with.
-    every : int, optional
+    every : int or None
         Dip before every so many-th character. None: where the load would fall under `LEAST_LOAD`
         before the end of the next character, or at a column's head before the end of the one after.
+    material : Material
+        That it is painted on, which takes more or less ink.
 
     Returns
     -------
@@ -87,7 +94,7 @@ def remove_dips(recording: Recording, brush: BrushSpec, every: int | None = None
         )
     down = (recording.buttons & DIP) != 0
     starts = np.concatenate([[0], np.flatnonzero(down[1:] & ~down[:-1]) + 1])
-    taken = np.add.reduceat(ink_taken(recording, brush), starts)
+    taken = np.add.reduceat(ink_taken(recording, brush, material), starts)
     if every is None:
         most = max(_CHARACTERS * np.median(taken), float(taken.max()))
         wetted = _wetted_fraction(most / _LASTS)
@@ -109,14 +116,15 @@ def _wetted_fraction(share: float) -> float:
     return math.ceil(1e4 * min(1.0, max(_LEAST_WETTED, share))) / 1e4
 
 
-def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
-    """Rate at which each sample takes ink of a fully wetted brush on raw xuan: its eta' pe ds.
+def ink_taken(recording: Recording, brush: BrushSpec, material: Material) -> NDArray[np.float64]:
+    """Rate at which each sample takes ink of a fully wetted brush: its eta' pe ds.
 
     Parameters
     ----------
     recording : Recording
         With pressures; in the world or the object's frame.
     brush : BrushSpec
+    material : Material
 
     Returns
     -------
@@ -136,12 +144,12 @@ def ink_taken(recording: Recording, brush: BrushSpec) -> NDArray[np.float64]:
     mean = 0.5 * (pressure[1:] + pressure[:-1])
     touches = (pressure[1:] > 0.0) & (pressure[:-1] > 0.0)
     taken = np.zeros(len(recording))
-    tuft = build_tuft(brush)
+    tuft = tuft_on(brush, material)
     known = np.linspace(0.0, 1.0, 33)
     prints = (make_footprint(tuft, p * brush.full_press_mm, 0.5 * math.pi, pe=p) for p in known)
     width = np.interp(mean, known, [footprint.width for footprint in prints])
     per_mm = (1.0 - FILM_SHARE) * mean + FILM * width / brush.root_diameter_mm
-    taken[1:] = np.where(touches, brush.transfer_per_mm * per_mm * steps, 0.0)
+    taken[1:] = np.where(touches, tuft.transfer_per_mm * per_mm * steps, 0.0)
     return taken
 
 

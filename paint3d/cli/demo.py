@@ -71,6 +71,7 @@ def run(options: argparse.Namespace) -> None:
         sys.stdout.flush()
     from paint3d.brush.presets import load_brush
     from paint3d.calligraphy.dips import apply_dip_option
+    from paint3d.colour.materials import load_material
     from paint3d.files.load import load_mesh  # after something was said
     from paint3d.recording.recording import load_recording
 
@@ -82,7 +83,8 @@ def run(options: argparse.Namespace) -> None:
         mesh = load_mesh("bowl")
     wanted = PaintingOptions.of(options, resolution=_RESOLUTION_MM)
     brush = load_brush(str(recording.header["brush"]))
-    recording = apply_dip_option(recording, brush, options.dip or DIPS)
+    material = load_material(wanted.material)
+    recording = apply_dip_option(recording, brush, options.dip or DIPS, material)
     seconds: dict[str, float] = {}
     painting = paint(prepare(mesh, wanted, seconds), recording, wanted, seconds)
     written = [options.out / name for name in _FILES]

@@ -632,7 +632,8 @@ def plan(
             processes=options.processes or usable_cores(),
             progress=tell,
         )
-        return replace(written, recording=apply_dip_option(written.recording, settings.brush, dips))
+        dipped = apply_dip_option(written.recording, settings.brush, dips, surface.material)
+        return replace(written, recording=dipped)
 
 
 def settings_of(options: argparse.Namespace) -> WritingSettings:

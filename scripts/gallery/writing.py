@@ -21,6 +21,7 @@ from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.path_fit import TECHNIQUES, PlanSettings
 from paint3d.calligraphy.writing import WritingSettings, write_text
 from paint3d.cli.painting import WRITING_INK
+from paint3d.colour.materials import Material, load_material
 from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
@@ -30,7 +31,9 @@ POEM = "千山鳥飛絕\n萬徑人蹤滅\n孤舟蓑笠翁\n獨釣寒江雪"
 FINER = 3  # samples to a side of a pixel
 
 
-def painted(recording: Recording, name: str, resolution: float, material: str) -> PaintedSurface:
+def painted(
+    recording: Recording, name: str, resolution: float, material: Material
+) -> PaintedSurface:
     """An object with a recording on it."""
     surface = PaintedSurface(load_mesh(name), resolution=resolution, material=material)
     header = recording.header
@@ -47,8 +50,8 @@ def written(text: str, name: str, em: float, glyphs: Path | None, layout: Layout
         load_brush(look.pop("brush", choose_brush(em))), em, settings, variation=1.0
     )
     written = write_text(load_mesh(name), text, open_glyphs(glyphs), settings, layout, header=look)
-    recording = apply_dip_option(written.recording, settings.brush, "auto")
-    material = "xuan" if "plane" in name or "sheet" in name else "porcelain"
+    material = load_material("xuan" if "plane" in name or "sheet" in name else "porcelain")
+    recording = apply_dip_option(written.recording, settings.brush, "auto", material)
     return painted(recording, name, em / 200.0, material)
 
 
@@ -185,7 +188,7 @@ def draw_dips(file: Path, glyphs: Path) -> None:
     text, em = "春眠不覚暁", 20.0
     settings = WritingSettings(load_brush(choose_brush(em)), em)
     written = write_text(load_mesh("plane"), text, open_glyphs(None), settings, Layout())
-    dipped = apply_dip_option(written.recording, settings.brush, "auto")
+    dipped = apply_dip_option(written.recording, settings.brush, "auto", load_material("xuan"))
     columns = []
     for recording, hairs in ((written.recording, 0), (dipped, 0), (dipped, 1000)):
         surface = PaintedSurface(load_mesh("plane"), resolution=0.1, material="xuan")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -32,6 +31,8 @@ from tests.support.cases import long_but
 BRUSH = load_brush("xiaobaiyun")
 WIDTH = make_footprint(build_tuft(BRUSH), 0.5 * BRUSH.full_press_mm, 0.5 * np.pi, pe=0.5).width
 PER_MM = BRUSH.transfer_per_mm * (0.4 * 0.5 + 0.35 * WIDTH / BRUSH.root_diameter_mm)
+
+XUAN, PORCELAIN = load_material("xuan"), load_material("porcelain")
 
 
 def text(takes: list[float], steps: list[float] | None = None) -> Recording:
@@ -67,13 +68,13 @@ def demo() -> Recording:
 
 def test_each_character_takes_what_its_way_and_pressure_say() -> None:
     recording = text([0.1, 0.02])
-    taken = ink_taken(recording, BRUSH)
+    taken = ink_taken(recording, BRUSH, XUAN)
     assert taken[:14].sum() == pytest.approx(0.1)
     assert taken[14:].sum() == pytest.approx(0.02)
 
 
 def test_the_brush_is_dipped_where_the_load_would_fall_too_low() -> None:
-    recording = remove_dips(text([0.1] * 9), BRUSH)
+    recording = remove_dips(text([0.1] * 9), BRUSH, None, XUAN)
     assert dipped_before(recording) == [0, 4, 8]
     amount = DipAmount.of(recording.header["dip"])
     assert left(4 * 0.1 / amount.wetted) == pytest.approx(LEAST_LOAD, rel=1e-3)
@@ -83,7 +84,7 @@ def test_the_brush_is_dipped_where_the_load_would_fall_too_low() -> None:
 def test_no_character_ends_with_less_than_a_dip_is_to_leave(seed: int) -> None:
     random = np.random.default_rng(seed)
     takes = random.uniform(0.001, 0.5, random.integers(1, 13)).tolist()
-    recording = remove_dips(text(takes), BRUSH)
+    recording = remove_dips(text(takes), BRUSH, None, XUAN)
     wetted = recording.header["dip"]["wetted"]
     load, dips = 1.0, dipped_before(recording)
     for k, taken in enumerate(takes):
@@ -93,7 +94,7 @@ def test_no_character_ends_with_less_than_a_dip_is_to_leave(seed: int) -> None:
 
 
 def test_every_third() -> None:
-    recording = remove_dips(text([0.1, 0.2, 0.1, 0.05, 0.05, 0.1, 0.3]), BRUSH, 3)
+    recording = remove_dips(text([0.1, 0.2, 0.1, 0.05, 0.05, 0.1, 0.3]), BRUSH, 3, XUAN)
     assert dipped_before(recording) == [0, 3, 6]
     wetted = recording.header["dip"]["wetted"]
     assert left(0.4 / wetted) == pytest.approx(LEAST_LOAD, rel=1e-3)
@@ -101,18 +102,18 @@ def test_every_third() -> None:
 
 def test_a_column_is_not_begun_with_a_brush_that_is_nearly_dry() -> None:
     """Three of a column leave enough for one more character, and not for two."""
-    same = remove_dips(text([0.1] * 6), BRUSH)
-    columns = remove_dips(text([0.1] * 6, [20.0] * 3 + [60.0] + [20.0] * 2), BRUSH)
+    same = remove_dips(text([0.1] * 6), BRUSH, None, XUAN)
+    columns = remove_dips(text([0.1] * 6, [20.0] * 3 + [60.0] + [20.0] * 2), BRUSH, None, XUAN)
     assert dipped_before(same) == [0, 4]
     assert dipped_before(columns) == [0, 3]
 
 
 def test_always_is_as_it_was_planned() -> None:
-    assert apply_dip_option(demo(), BRUSH, "always") is demo()
+    assert apply_dip_option(demo(), BRUSH, "always", XUAN) is demo()
 
 
 def test_the_hand_goes_the_same_way() -> None:
-    recording = apply_dip_option(demo(), BRUSH, "auto")
+    recording = apply_dip_option(demo(), BRUSH, "auto", PORCELAIN)
     np.testing.assert_array_equal(recording.position, demo().position)
     np.testing.assert_array_equal(recording.pressure, demo().pressure)
     assert not (recording.buttons & ~demo().buttons).any()
@@ -123,13 +124,12 @@ def test_what_is_foretold_is_what_is_left() -> None:
 
     Strokes that cross leave no film where another has, of which nothing is foretold.
     """
-    recording = apply_dip_option(demo(), BRUSH, "auto")
+    recording = apply_dip_option(demo(), BRUSH, "auto", PORCELAIN)
     amount = DipAmount.of(recording.header["dip"])
-    glaze = replace(load_material("porcelain"), name="as rated", absorbency=1.0, friction=1.0)
-    surface = PaintedSurface(load_mesh("bowl"), 0.3, glaze)
+    surface = PaintedSurface(load_mesh("bowl"), 0.3, PORCELAIN)
     painter = Painter(surface, BRUSH, "pine soot", amount=amount)
     painter.replay(recording)
-    foretold = ink_taken(recording, BRUSH).sum() / amount.wetted
+    foretold = ink_taken(recording, BRUSH, PORCELAIN).sum() / amount.wetted
     fallen = -np.log(painter.in_brush() / painter.tuft.load)
     assert 0.87 * foretold < fallen < foretold
     accounts = painter.ledger()
@@ -165,7 +165,7 @@ def test_amounts_that_are_none(words: object) -> None:
 @pytest.mark.parametrize("every", [0, 1.5])
 def test_dips_before_no_count_of_characters(every: float) -> None:
     with pytest.raises(InputError, match="expected"):
-        remove_dips(text([0.1]), BRUSH, every)
+        remove_dips(text([0.1]), BRUSH, every, XUAN)
 
 
 def test_an_amount_is_of_a_whole_dip() -> None:

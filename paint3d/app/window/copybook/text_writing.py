@@ -161,7 +161,8 @@ def _made_ready(
         progress(_PLANNED * fraction)
 
     written = _plan(held, painting, brush, folder, tell)
-    written = replace(written, recording=apply_dip_option(written.recording, brush, _DIPS))
+    dipped = apply_dip_option(written.recording, brush, _DIPS, painting.material)
+    written = replace(written, recording=dipped)
     recording: Recording = with_ink(
         written.recording, written.dryness, written.strength, painting.material
     )

@@ -156,6 +156,7 @@ class Recordings:
         if is_score(path):
             return self._play_score(path, title, speed)
         surface, camera = workspace.hand.surface, workspace.hand.open_camera
+        material = workspace.painting.material
 
         def read(progress: JobProgress) -> tuple[list[DeviceSample], Tools]:
             recording = load_recording(path, progress=part_of(progress, 0.0, _READ))
@@ -164,7 +165,7 @@ class Recordings:
             if dips is not None:
                 brush = recorded_brush(recording.header)
                 assert brush is not None, "it names the brush that it was planned for"
-                recording = apply_dip_option(recording, brush, dips)
+                recording = apply_dip_option(recording, brush, dips, material)
             tools = Tools(_tools_of(recording), (), *tool_changes_of(recording))
             return samples_of(recording, progress), tools
 
