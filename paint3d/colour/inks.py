@@ -1,15 +1,16 @@
-"""Inks from text: a pigment of the palette, a mixture, ink in one of its five tones, or one's own.
+"""Inks from text: pigments of the palette, mixtures, ink in one of its five tones, kept inks.
 
 Painters distinguish five tones of one ink by the water in it (mo fen wu se): burnt, thick, heavy,
 light and clear. ``light`` is light pine soot, ``light oil soot`` that of another ink.
 
-Inks of one's own are mixtures that are kept by name among the user's settings: ``inks.toml`` has a
-line for each, ``"deep teal" = "indigo:0.8,malachite:0.2"``.
+Mixtures can be kept by name among the user's settings: ``inks.toml`` has a line for each,
+``"deep teal" = {"indigo" = 0.8, "water" = 0.2}``.
 """
 
 from __future__ import annotations
 
 import json
+import math
 import tomllib
 from collections.abc import Mapping
 from contextlib import suppress
@@ -17,7 +18,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from paint3d.colour.ink_text import names_table, split_ink, table_of, with_tables
+from paint3d.colour.ink_text import names_table, split_ink, table_of
 from paint3d.colour.pigments import WATER, Pigment, load_palette, load_pigment
 from paint3d.core.atomic import write_atomically
 from paint3d.core.own_folders import config_folder, make_private_folder, usual_config_folder
@@ -29,8 +30,8 @@ __all__ = [
     "describe_ink",
     "forget_ink",
     "keep_ink",
+    "kept_inks",
     "load_ink",
-    "own_inks",
     "tone_names",
 ]
 
@@ -61,11 +62,11 @@ def load_ink(text: str, *, own_tables: bool = True) -> dict[Pigment, float]:
     ----------
     text : str
         A pigment as `load_pigment` knows it, one of the `TONES`, alone (of pine soot) or before a
-        pigment's name, one of `own_inks`, or several of these with their parts:
+        pigment's name, one of `kept_inks`, or several of these with their parts:
         ``pine soot:0.2,water:0.8``, ``light oil soot``, ``mine.csv:iron gall:1,water:3``.
     own_tables : bool
-        Whether a name may refer to a file or an ink of one's own; not where the text comes from
-        somebody else's file.
+        Whether a name may refer to a file or a kept ink; not where the text comes from somebody
+        else's file.
 
     Returns
     -------
@@ -86,56 +87,67 @@ def load_ink(text: str, *, own_tables: bool = True) -> dict[Pigment, float]:
             text=text[-100:],
         )
     mixture: dict[Pigment, float] = {}
-    for name, parts in _resolve(text, own_inks() if own_tables else {}).items():
+    for name, parts in _resolve(text, own_tables).items():
         pigment = load_pigment(name)
         mixture[pigment] = mixture.get(pigment, 0.0) + parts
     return mixture
 
 
-def _resolve(text: str, own: Mapping[str, str]) -> dict[str, float]:
+def _resolve(text: str, own_tables: bool) -> dict[str, float]:
     """Return the parts of an ink by the names that `load_pigment` has for its pigments."""
     mixture: dict[str, float] = {}
     for name, parts in split_ink(text):
-        for pigment, fraction in _resolve_toned(name, own).items():
+        for pigment, fraction in _resolve_toned(name, own_tables).items():
             mixture[pigment] = mixture.get(pigment, 0.0) + parts * fraction
     return mixture
 
 
-def _resolve_toned(name: str, own: Mapping[str, str]) -> dict[str, float]:
+def _resolve_toned(name: str, own_tables: bool, within: tuple[str, ...] = ()) -> dict[str, float]:
     """Return the fractions of an ink, and of water where the name begins with a tone."""
-    try:
-        return _resolve_named(name, own)
-    except UnknownNameError:
-        tone, ink = _split_tone(name)
-        if tone is None:
-            error = UnknownNameError("ink", name, [*load_palette(), *TONES, WATER.name, *own])
-            error.hint = (
-                f"paint3d inks --nearest {name!r} finds the mixture nearest to a colour"
-                if name.startswith("#")
-                else "an ink of a table is FILE.csv:NAME, or kept by its name: paint3d inks --ink "
-                "FILE.csv:NAME --keep NAME"
-            )
-            raise error from None
-    stirred = _resolve_named(ink, own)
-    if tone.share == 1.0 or set(stirred) == {WATER.name}:
-        return stirred
-    thinned = {pigment: tone.share * fraction for pigment, fraction in stirred.items()}
-    thinned[WATER.name] = thinned.get(WATER.name, 0.0) + 1.0 - tone.share
-    return thinned
+    tone, ink = _split_tone(name)
+    kept: Mapping[str, Mapping[str, float]] = {}
+    for is_kept in (False, True)[: 1 + own_tables]:  # read only for what the program does not know
+        kept = kept_inks() if is_kept else kept
+        for one, share in ((name, 1.0), (ink, 1.0 if tone is None else tone.share)):
+            stirred = _resolve_named(one, kept, within)
+            if stirred is not None:
+                is_water = set(stirred) == {WATER.name}
+                return stirred if is_water or share == 1.0 else _thin(stirred, share)
+    error = UnknownNameError("ink", ink, [*load_palette(), *TONES, WATER.name, *kept])
+    error.hint = (
+        f"paint3d inks --nearest {name!r} finds the mixture nearest to a colour"
+        if name.startswith("#")
+        else "an ink of a table is FILE.csv:NAME, or kept by its name: paint3d inks --ink "
+        "FILE.csv:NAME --keep NAME"
+    )
+    raise error
 
 
-def _resolve_named(name: str, own: Mapping[str, str]) -> dict[str, float]:
-    """Return the fractions of a pigment, or of an ink of one's own."""
+def _resolve_named(
+    name: str, kept: Mapping[str, Mapping[str, float]], within: tuple[str, ...]
+) -> dict[str, float] | None:
+    """Return the fractions of a pigment, or of a kept ink that is not mixed of itself."""
     if table_of(name):
         return {name: 1.0}
     try:
         return {load_pigment(name).name: 1.0}
     except UnknownNameError:
-        if name not in own:
-            raise
-    parts = dict(split_ink(own[name]))
+        if name not in kept or name in within:
+            return None
+    parts = kept[name]
     whole = sum(parts.values())
-    return {pigment: weight / whole for pigment, weight in parts.items()}
+    mixture: dict[str, float] = {}
+    for part, weight in parts.items():
+        for pigment, fraction in _resolve_toned(part, True, (*within, name)).items():
+            mixture[pigment] = mixture.get(pigment, 0.0) + weight / whole * fraction
+    return mixture
+
+
+def _thin(stirred: Mapping[str, float], share: float) -> dict[str, float]:
+    """Return an ink of which this share is left, the rest being water."""
+    thinned = {pigment: share * fraction for pigment, fraction in stirred.items()}
+    thinned[WATER.name] = thinned.get(WATER.name, 0.0) + 1.0 - share
+    return thinned
 
 
 def _split_tone(name: str) -> tuple[Tone | None, str]:
@@ -163,21 +175,24 @@ def describe_ink(stirred: Mapping[Pigment, float]) -> str:
     return ",".join(f"{pigment.name}:{parts:.6g}" for pigment, parts in stirred.items())
 
 
-# ---- One's own -----------------------------------------------------------------------------------
+# ---- Kept inks -----------------------------------------------------------------------------------
 
 _FILE = "inks.toml"
 _LONGEST = 60  # letters of a name
 
 
-def own_inks() -> Mapping[str, str]:
-    """Return the mixtures that are kept, by name.
+def kept_inks() -> Mapping[str, Mapping[str, float]]:
+    """Return the mixtures that are kept: parts of each by the names of inks, by its own name.
 
     Raises
     ------
     PigmentError
-        If their file is there and cannot be read.
+        If their file is there and cannot be used.
     """
-    path = (usual_config_folder() or config_folder()) / _FILE
+    path = config_folder() / _FILE
+    usual = usual_config_folder()  # of a home that can be read, but not written
+    if usual is not None and not path.is_file():
+        path = usual / _FILE
     try:
         inks = tomllib.loads(path.read_text(encoding="utf-8"))
     except (FileNotFoundError, NotADirectoryError):
@@ -186,13 +201,14 @@ def own_inks() -> Mapping[str, str]:
         raise PigmentError(
             "{file}: cannot be read as a list of inks: {cause}", file=path, cause=cause
         ) from None
-    for name, text in inks.items():
-        if not isinstance(text, str):
+    for name, parts in inks.items():
+        if not (isinstance(parts, dict) and parts and all(map(_is_part, parts.values()))):
             raise PigmentError(
-                "{file}: {name!r} is {text!r:.60}; expected an ink such as 'indigo:0.8,water:0.2'",
+                "{file}: {name!r} is {parts!r:.60}; expected the parts of an ink such as "
+                "{{indigo = 0.8, water = 0.2}}",
                 file=path,
                 name=name,
-                text=text,
+                parts=parts,
             )
     return inks
 
@@ -205,12 +221,12 @@ def keep_ink(name: str, text: str) -> Path:
     name : str
         1 to 60 letters without ``,``, ``:`` and ``#``, and not the name of an ink there is.
     text : str
-        As `load_ink` reads it; files in it are named by their whole paths then.
+        As `load_ink` reads it; tables are kept by their whole paths.
 
     Raises
     ------
     PigmentError
-        If the name is none for an ink.
+        If the name is none for an ink, or the ink cannot be loaded.
     UnknownNameError
         If the text names an ink that is not known.
     ExportError
@@ -225,10 +241,12 @@ def keep_ink(name: str, text: str) -> Path:
             most=_LONGEST,
         )
     load_ink(text)
-    own = own_inks()
-    parts = _resolve(with_tables(text, lambda file: str(Path(file).absolute())), own)
-    kept = ",".join(f"{pigment}:{weight:.6g}" for pigment, weight in parts.items())
-    return _write_inks({**own, name: kept})
+    parts = {}
+    for pigment, weight in _resolve(text, own_tables=True).items():
+        file = table_of(pigment)
+        whole = "" if file is None else str(Path(file).absolute())
+        parts[whole + pigment[len(file or "") :]] = weight
+    return _write_kept({**kept_inks(), name: parts})
 
 
 def forget_ink(name: str) -> Path:
@@ -241,13 +259,22 @@ def forget_ink(name: str) -> Path:
     ExportError
         If the file cannot be written.
     """
-    inks = dict(own_inks())
+    inks = dict(kept_inks())
     if inks.pop(name, None) is None:
-        raise UnknownNameError("ink of your own", name, inks)
-    return _write_inks(inks)
+        raise UnknownNameError("kept ink", name, inks)
+    return _write_kept(inks)
+
+
+def _is_part(value: object) -> bool:
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    return math.isfinite(value) and value > 0.0
 
 
 def _is_taken(name: str) -> bool:
+    known = {one.casefold() for one in (*load_palette(), *TONES, WATER.name)}
+    if name.casefold() in known:
+        return True
     try:
         load_ink(name, own_tables=False)
     except (PigmentError, UnknownNameError):
@@ -255,15 +282,16 @@ def _is_taken(name: str) -> bool:
     return True
 
 
-def _write_inks(inks: Mapping[str, str]) -> Path:
+def _write_kept(inks: Mapping[str, Mapping[str, float]]) -> Path:
     folder = config_folder()
     with suppress(OSError):  # what cannot be written says so
         make_private_folder(folder)
     with write_atomically(folder / _FILE) as path:
-        path.write_text(
-            "".join(f"{_quoted(name)} = {_quoted(text)}\n" for name, text in inks.items()),
-            encoding="utf-8",
-        )
+        lines = []
+        for name, parts in inks.items():
+            said = ", ".join(f"{_quoted(ink)} = {part:.6g}" for ink, part in parts.items())
+            lines.append(f"{_quoted(name)} = {{{said}}}\n")
+        path.write_text("".join(lines), encoding="utf-8")
     return folder / _FILE
 
 

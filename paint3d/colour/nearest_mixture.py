@@ -46,8 +46,8 @@ class Nearest(NamedTuple):
         CIEDE2000 between the colour asked for and a coat of it.
     srgb : (int, int, int)
         Of that coat, 0 to 255.
-    wash_difference : float
-        CIEDE2000 between the colour asked for and a wash of it; 0 where none was.
+    wash_difference : float or None
+        CIEDE2000 between the colour asked for and a wash of it; None where none was.
     wash_srgb : (int, int, int)
         Of that wash.
     """
@@ -55,7 +55,7 @@ class Nearest(NamedTuple):
     parts: dict[Pigment, float]
     difference: float
     srgb: tuple[int, int, int]
-    wash_difference: float
+    wash_difference: float | None
     wash_srgb: tuple[int, int, int]
 
 
@@ -216,11 +216,11 @@ def _make_nearest(
     inked = [(indices[ink], fraction) for ink, fraction in parts.items() if ink is not WATER]
     rows, shares = np.array([[k for k, _ in inked]]), np.array([[part for _, part in inked]])
     coat, wash = (_film(rows, shares, inks, wanted.ground, coats) for coats in (1.0, WASH_COATS))
-    off = [
-        0.0 if lab is None else float(delta_e(lab_from_reflectance(film), lab)[0])
-        for film, lab in ((coat, wanted.coat), (wash, wanted.wash))
-    ]
-    return Nearest(parts, off[0], _codes(coat), off[1], _codes(wash))
+    off = float(delta_e(lab_from_reflectance(coat), wanted.coat)[0])
+    wash_off = None
+    if wanted.wash is not None:
+        wash_off = float(delta_e(lab_from_reflectance(wash), wanted.wash)[0])
+    return Nearest(parts, off, _codes(coat), wash_off, _codes(wash))
 
 
 def _codes(film: AnyArray) -> tuple[int, int, int]:

@@ -17,7 +17,7 @@ from paint3d.colour.difference import (
     lab_from_xyz,
 )
 from paint3d.colour.illuminants import FINE_NM, OBSERVERS, find_illuminant
-from paint3d.colour.inks import keep_ink, load_ink
+from paint3d.colour.inks import keep_ink, kept_inks, load_ink
 from paint3d.colour.layers import mixture_reflectance
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, load_palette, load_pigment
@@ -233,25 +233,58 @@ def test_a_colour_and_its_wash_become_an_ink_with_a_name(capsys, tmp_path, monke
     assert "deep teal" in capsys.readouterr().out
     with pytest.raises(UnknownNameError):
         load_ink("deep teal", own_tables=False)  # in somebody else's file
-    for name in ("indigo", "light", "淡", "a:b", "a,b", "x.csv", " a", ""):
+    for name in ("indigo", "Indigo", "light", "淡", "a:b", "a,b", "x.csv", " a", ""):
         assert main.main(["inks", "--ink", "ochre", "--keep", name]) == 2, name
     assert main.main(["inks", "--forget", "deep teal"]) == 0
     assert main.main(["inks", "--forget", "deep teal"]) == 2
     assert main.main(["inks", "--nearest", "#1f6f78", "--ink", "ochre"]) == 2
-    (tmp_path / "inks.toml").write_text("sea = 3\n")
-    assert main.main(["inks", "--ink", "sea"]) == 2
-    assert "inks.toml: 'sea' is 3; expected an ink" in capsys.readouterr().err
 
 
-def test_an_ink_of_a_table_is_kept_with_the_table(tmp_path, monkeypatch) -> None:
+def test_a_list_of_kept_inks_that_cannot_be_used_says_so_and_stops_no_other_ink(
+    capsys, tmp_path, monkeypatch
+) -> None:
+    monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path))
+    kept = tmp_path / "inks.toml"
+    for text, why in (
+        ("sea = 3", "'sea' is 3; expected the parts of an ink"),
+        ("sea = {indigo = 0}", "expected the parts of an ink such as {indigo = 0.8"),
+        ("sea = [broken", "cannot be read as a list of inks"),
+        ("sea = {bay = 1}\nbay = {sea = 1}", "unknown ink 'sea'"),
+    ):
+        kept.write_text(text)
+        assert main.main(["inks", "--ink", "sea"]) == 2
+        assert why in capsys.readouterr().err
+        assert main.main(["inks", "--ink", "light indigo"]) == 0
+    kept.write_text('bay = {"light indigo" = 1, sea = 1}\nsea = {indigo = 1, water = 3}')
+    assert load_ink("bay")[load_pigment("indigo")] == pytest.approx(0.5 * (0.09 + 0.25))
+
+
+def test_a_kept_ink_is_found_where_the_home_cannot_be_written(tmp_path, monkeypatch) -> None:
+    monkeypatch.delenv("PAINT3D_CONFIG", raising=False)
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "home"))
+    keep_ink("sea", "indigo:1,water:3")
+    monkeypatch.setattr("paint3d.core.own_folders.can_write", lambda folder: False)
+    monkeypatch.setattr("paint3d.core.own_folders.private_folder", lambda: tmp_path / "private")
+    assert load_ink("sea")[WATER] == pytest.approx(0.75)  # of the home
+    keep_ink("bay", "light sea")
+    assert set(kept_inks()) == {"sea", "bay"}
+    assert load_ink("bay")[WATER] > 0.9
+
+
+def test_an_ink_of_a_table_is_kept_with_the_table(capsys, tmp_path, monkeypatch) -> None:
     monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
-    (tmp_path / "mine.csv").write_text("name,R_400,R_700\nsea,0.3,0.1\n")
-    monkeypatch.chdir(tmp_path)
+    folder = tmp_path / "Ink, paper: 1"
+    folder.mkdir()
+    (folder / "mine.csv").write_text("name,R_400,R_700\nsea,0.3,0.1\n")
+    monkeypatch.chdir(folder)
     keep_ink("bay", "mine.csv:sea:1,water:1")
     monkeypatch.chdir("/")
     assert [pigment.name for pigment in load_ink("bay")] == ["sea", "water"]
     keep_ink("pale bay", "light bay")
     assert load_ink("pale bay")[WATER] == pytest.approx(0.955)
+    (folder / "mine.csv").unlink()
+    assert main.main(["inks"]) == 0  # all others are listed
+    assert "cannot be used" in capsys.readouterr().out
 
 
 def test_the_command_compares_two_inks(capsys):

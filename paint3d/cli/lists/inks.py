@@ -138,18 +138,20 @@ def run(options: argparse.Namespace) -> None:
 
 def _list(table: Path | None, ink: str | None) -> None:
     """Write what there is, what a table has, or one ink alone."""
-    from paint3d.colour.inks import own_inks
+    from paint3d.colour.inks import kept_inks
     from paint3d.colour.pigments import load_palette, load_pigments_csv
 
     pigments: Mapping[str, Pigment] = {}
-    own: Mapping[str, str] = {}
+    mixtures: dict[str, str] = {}
     if ink is not None:
-        own = {ink: ink}
+        mixtures = {ink: ""}
     elif table is not None:
         pigments = load_pigments_csv(table)
     else:
-        pigments, own = load_palette(), own_inks()
-    lines = swatches_table(pigments.values(), sys.stdout.isatty(), terminal_columns(), own)
+        pigments = load_palette()
+        for name, parts in kept_inks().items():
+            mixtures[name] = ",".join(f"{part}:{weight:g}" for part, weight in parts.items())
+    lines = swatches_table(pigments.values(), sys.stdout.isatty(), terminal_columns(), mixtures)
     sys.stdout.write("\n".join(lines) + "\n")
     if table is not None and any(p.basis == "masstone" for p in pigments.values()):
         sys.stderr.write(
@@ -183,7 +185,7 @@ def _tell_nearest(srgb: tuple[int, ...], wash: tuple[int, ...] | None, material:
     sys.stdout.write(ink + "\n")
     sys.stdout.flush()
     films = [("coat", found.srgb, found.difference, srgb)]
-    if wash is not None:
+    if wash is not None and found.wash_difference is not None:
         films.append(("wash", found.wash_srgb, found.wash_difference, wash))
     for film, own, off, wanted in films:
         sys.stderr.write(
@@ -240,7 +242,7 @@ def swatches_table(
     columns : int, optional
         How wide it may be; see `table_lines`.
     mixtures : mapping of str to str
-        Texts of inks by name, which come after the pigments.
+        Inks that come after the pigments: what they are mixed of, by name.
 
     Returns
     -------
@@ -257,9 +259,16 @@ def swatches_table(
     for one in pigments:
         films = [swatch_cell(_swatch({one: 1.0}, coats), colour) for coats in kinds.values()]
         rows.append((one.name, one.chinese, *films, one.basis, one.licence, one.source))
-    for name, text in mixtures.items():
-        films = [swatch_cell(_swatch(load_ink(text), coats), colour) for coats in kinds.values()]
-        rows.append((name, "", *films, "mixture" if name == text else text, "", ""))
+    for name, parts in mixtures.items():
+        try:
+            stirred = load_ink(name)
+        except InputError as cause:  # its table is gone, say
+            if not parts:
+                raise
+            rows.append((name, "", "", "", "", f"cannot be used: {cause}", "", ""))
+            continue
+        films = [swatch_cell(_swatch(stirred, coats), colour) for coats in kinds.values()]
+        rows.append((name, "", *films, parts or "mixture", "", ""))
     return table_lines(rows, columns, colour)
 
 
