@@ -133,7 +133,7 @@ def run(options: argparse.Namespace) -> None:
             )
     finished = FinishedRows(options.table.with_name(options.table.name + ".finished"), folder)
     left = [row for row in rows if options.again or not finished.has(row)]
-    left, lacking = without_lacking(left)
+    left, lacking = without_lacking(left, folder)
     refused += lacking
     by_line = {row.line: row for row in left}
     failed, outcomes = [], list(refused)
@@ -239,7 +239,7 @@ def _outcomes(rows: list[Row], folder: str, options: argparse.Namespace) -> Iter
     if options.rows is not None:
         return map(run_row, rows)
     processes = options.processes or usable_cores()
-    return run_here(rows, processes, options.retries)
+    return run_here(rows, processes, options.retries, quiet=options.quiet)
 
 
 def _finish(row: Row, outcome: Outcome, finished: FinishedRows, *, quiet: bool) -> None:

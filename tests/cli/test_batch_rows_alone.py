@@ -76,15 +76,19 @@ def test_notes_name_their_row_and_what_a_font_lacks_is_told_first(
 
     monkeypatch.setattr("paint3d.cli.write.run", run)
     system_fonts.add("Test Serif", "Len永")
-    rows = "永,bowl,50%.ply,\nLena,bowl,b.ply,Test Serif\nLen,bowl,c.ply,Test Serif\n"
-    table.write_text("text,object,output,font\n" + rows, encoding="utf-8")
-    assert main.main(["batch", str(table), "--rows", "2-4"]) == 2
+    rows = (
+        "永,bowl,50%.ply,,\nLena,bowl,b.ply,Test Serif,\nLen,bowl,c.ply,Test Serif,\n"
+        "永,bowl,d.ply,,large\n"
+    )
+    table.write_text("text,object,output,font,size\n" + rows, encoding="utf-8")
+    assert main.main(["batch", str(table), "--rows", "2-5"]) == 2
     told = capsys.readouterr()
     first, *notes = [line for line in told.err.splitlines() if "t.csv:3" in line or "note" in line]
     assert first.startswith("t.csv:3: Test Serif has no glyph for 'a' (U+0061)")
     assert notes == [
         "paint3d: note: line 2, 50%.ply: blots: 永", "paint3d: note: line 4, c.ply: blots: Len"
     ]  # fmt: skip
+    assert "t.csv:5: argument --size: 'large' is not a length" in told.err
     assert "2 painted" in told.out
-    assert "0 finished before, 1 failed" in told.out
-    assert "1 of 3 rows failed" in told.err
+    assert "0 finished before, 2 failed" in told.out
+    assert "2 of 4 rows failed" in told.err

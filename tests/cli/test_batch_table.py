@@ -234,8 +234,11 @@ def test_a_row_is_run_elsewhere_with_the_files_of_its_folder(tmp_path):
         "replay", f"--on={tmp_path}/jug.obj", f"--out={tmp_path}/b/a.ply", "--report=/c/r.json",
         f"--ink={tmp_path}/my.csv:mud", "--size=2", "--quiet", "--", f"{tmp_path}/--out=s.jsonl",
     )  # fmt: skip
-    row = Row(2, "a.ply", ("write", "--on=bowl", "--out=a.ply", "--ink=墨", "--", "--out=永"))
-    there = placed(row, str(tmp_path))
+    (tmp_path / "own.ttf").write_text("")
+    own, known = "--font=own.ttf", "--font=DejaVu Sans"
+    write = ("write", "--on=bowl", "--out=a.ply", "--ink=墨", own, known, "--", "--out=永")
+    there = placed(Row(2, "a.ply", write), str(tmp_path))
     assert there.arguments == (
-        "write", "--on=bowl", f"--out={tmp_path}/a.ply", "--ink=墨", "--", "--out=永"
+        "write", "--on=bowl", f"--out={tmp_path}/a.ply", "--ink=墨", f"--font={tmp_path}/own.ttf",
+        known, "--", "--out=永",
     )  # fmt: skip

@@ -221,3 +221,26 @@ if __name__ == "__main__":
     assert lines == [
         "0 ", "1 its process died (SIGKILL)", "2 ", "3 its process died (exit status 3)", "4 "
     ]  # fmt: skip
+
+
+def test_a_quiet_batch_tells_no_notes(tmp_path: Path) -> None:
+    code = """
+import logging
+import paint3d.cli.write
+from paint3d.cli.main import main
+
+def run(options):
+    logging.getLogger("paint3d.calligraphy").warning("it blots")
+    options.out.write_text("painted")
+
+paint3d.cli.write.run = run
+if __name__ == "__main__":
+    main(["batch", "t.csv", "--processes", "1"])
+    main(["batch", "t.csv", "--processes", "1", "--again", "--quiet"])
+"""
+    (tmp_path / "noted.py").write_text(code)
+    (tmp_path / "t.csv").write_text("text,object,output\n永,bowl,a.ply\n", encoding="utf-8")
+    done = subprocess.run(
+        [sys.executable, "noted.py"], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stderr == "paint3d: note: line 2, a.ply: it blots\n"

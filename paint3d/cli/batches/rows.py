@@ -92,6 +92,9 @@ def _placed_word(command: str, word: str, folder: str) -> str:
         known = value in BUILT_IN_OBJECTS or is_sheet(value)
         if not known or os.path.isfile(there):
             value = there
+    elif option == "--font":  # a file, or a name that the system knows
+        there = os.path.join(folder, value)
+        value = there if os.path.isfile(there) else value
     elif option in _INKS:
         value = with_tables(value, partial(os.path.join, folder))
     elif option in _PARAMETERS and own_file(value) is not None:
@@ -126,13 +129,13 @@ def run_row(row: Row) -> Outcome:
     return Outcome(row.line, " ".join(message.split()), seconds, find_versions()["paint3d"])
 
 
-def without_lacking(rows: Sequence[Row]) -> tuple[list[Row], list[Outcome]]:
-    """The rows whose fonts have all characters, and the refusals of the others."""
+def without_lacking(rows: Sequence[Row], folder: str) -> tuple[list[Row], list[Outcome]]:
+    """The rows that can be read, in fonts that have all characters, and refusals of the others."""
     kept, refused = list[Row](), list[Outcome]()
     for row in rows:
         try:
-            _check_fonts(row)
-        except Paint3DError as cause:
+            _check_fonts(placed(row, folder))
+        except (UsageError, Paint3DError) as cause:
             refused.append(Outcome(row.line, str(cause), 0.0, ""))
         else:
             kept.append(row)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import multiprocessing
 import signal
 import sys
@@ -23,15 +24,17 @@ __all__ = ["run_here"]
 _WARM = "paint3d.cli.batches.warm"
 
 
-def run_here(rows: Sequence[Row], processes: int, retries: int = 0) -> Iterator[Outcome]:
-    """Run rows in so many processes; yield each outcome as it comes.
+def run_here(
+    rows: Sequence[Row], processes: int, retries: int = 0, *, quiet: bool = False
+) -> Iterator[Outcome]:
+    """Run rows in so many processes; yield each outcome as it comes. Quiet ones tell no notes.
 
     Where a process dies another takes its place, and the row it was at is tried again after the
     others, so many times.
     """
     tries: Counter[Row] = Counter()
     left = list(reversed(rows))
-    workers = [_Worker() for _ in range(min(processes, len(rows)))]
+    workers = [_Worker(quiet) for _ in range(min(processes, len(rows)))]
     try:
         for worker in workers:
             worker.start(left.pop())
@@ -71,7 +74,8 @@ def _context() -> SpawnContext | ForkServerContext:
 class _Worker:
     """A process that runs one row after the other; started anew when it has died."""
 
-    def __init__(self) -> None:
+    def __init__(self, quiet: bool) -> None:
+        self._quiet = quiet
         self.row: Row | None = None
         self.death = ""  # how the last process died
         self.connection: Connection[Any, Any]  # from the first start on
@@ -81,7 +85,7 @@ class _Worker:
         if self._process is None:
             context = _context()
             self.connection, theirs = context.Pipe()
-            process = context.Process(target=_serve, args=(theirs,), daemon=False)
+            process = context.Process(target=_serve, args=(theirs, self._quiet), daemon=False)
             process.start()  # which waits until the server has imported all: it can be ended
             self._process = process
             theirs.close()
@@ -112,12 +116,14 @@ class _Worker:
             self._process = None
 
 
-def _serve(connection: Connection[Any, Any]) -> None:
+def _serve(connection: Connection[Any, Any], quiet: bool = False) -> None:
     """Run rows until the other end is closed."""
     ignore_interrupts()  # the parent stops us
     end_with_parent(end_now)
     if not sys.warnoptions:
         warnings.simplefilter("ignore")
+    if quiet:
+        logging.getLogger("paint3d").addHandler(logging.NullHandler())
     with Ends(patience_s=0.0):  # what is being written is removed
         _run_all(connection)
 
