@@ -51,7 +51,7 @@ class FreeArc:
         """From the first middle to the last, mm."""
         return self.end - self.start
 
-    def around(self, middle: float) -> FreeArc:
+    def centred_on(self, middle: float) -> FreeArc:
         """The part of it that has a place in its middle; of no length where that is not on it."""
         half = max(min(middle - self.start, self.end - middle), 0.0)
         return FreeArc(middle - half, middle + half, self.obstacle)
@@ -78,7 +78,8 @@ class Ring:
     Raises
     ------
     MeshError
-        If it neither comes back to its start nor goes half round the body.
+        If it neither comes back to its start nor goes half round the body, or goes over and under
+        it, as across a plate.
     """
 
     def __init__(
@@ -97,13 +98,13 @@ class Ring:
         self._start = 0.0
         if not self.closed:
             self._start, self.length = -left.length, left.length + right.length
-            if not self.goes_round:
-                raise MeshError(
-                    "{object}: the level line of the place does not come back to its start; "
-                    "expected a body that can be written around",
-                    object=surface.mesh.name,
-                    hint="where it lies on its side, --up says which axis of the file points up",
-                )
+        if self._up[2] <= 0.0 or not (self.closed or self.goes_round):
+            raise MeshError(
+                "{object}: the level line of the place does not go around it; expected a body that "
+                "can be written around",
+                object=surface.mesh.name,
+                hint="where it lies on its side, --up says which axis of the file points up",
+            )
 
     def at(self, distance: float) -> NDArray[np.float64]:
         """The point (3,) so many mm to the right of where it begins; a closed one repeats.
@@ -133,11 +134,15 @@ class Ring:
         return np.unwrap(turns_of(self.surface.mesh, self.points), period=1.0)
 
     @property
+    def n_turns(self) -> float:
+        """How far it goes round the axis of the body."""
+        step = float(np.ptp(self.turns[:2])) if self.closed else 0.0
+        return float(np.ptp(self.turns)) + step
+
+    @property
     def goes_round(self) -> bool:
         """Whether it goes at least half round the axis of the body."""
-        turns = self.turns
-        step = float(np.ptp(turns[:2])) if self.closed else 0.0
-        return float(np.ptp(turns)) + step >= _TURN
+        return self.n_turns >= _TURN
 
     def find_arc(
         self,
@@ -148,7 +153,7 @@ class Ring:
         placed: bool = False,
         centred: bool = False,
     ) -> FreeArc | None:
-        """The free arc on which something may stand; None where nothing is in the way, or all is.
+        """The free arc on which something may stand; None where nothing is in the way.
 
         Parameters
         ----------
@@ -162,15 +167,26 @@ class Ring:
             The one at, or nearest to, where the line begins; else the longest.
         centred : bool
             Only as much of that as has where the line begins in its middle.
+
+        Raises
+        ------
+        MeshError
+            If it can stand nowhere.
         """
         crowded = np.any([self.crowded(room_mm, one) for one in heights], axis=0)
+        if self.closed and not crowded.any():
+            return None
         arcs = self._arcs(crowded, is_free)
         if not arcs:
-            return None
+            raise MeshError(
+                "{object}: a part of it is in the way all round there; expected another place or a "
+                "smaller size",
+                object=self.surface.mesh.name,
+            )
         if not (placed or centred):
             return arcs[0]
         nearest = min(arcs, key=lambda arc: max(arc.start, -arc.end, 0.0))
-        return nearest.around(0.0) if centred else nearest
+        return nearest.centred_on(0.0) if centred else nearest
 
     def crowded(self, room_mm: float, height: float = 0.0) -> NDArray[np.bool_]:
         """At which stations (N,) something else is near a brush that stands there.
@@ -191,9 +207,7 @@ class Ring:
     def _arcs(
         self, crowded: NDArray[np.bool_], is_free: Callable[[AnyArray], bool]
     ) -> list[FreeArc]:
-        """The free arcs, the longest first; none where nothing is in the way, or all is."""
-        if self.closed and (not crowded.any() or crowded.all()):
-            return []
+        """The free arcs, the longest first."""
         n, step = len(crowded), self.length / len(crowded)
         reach = math.ceil(0.75 * self.em_mm / step)
         away = np.full(n, n)

@@ -177,10 +177,15 @@ class Layout:
     point : (float, float, float), optional
         Where the text's middle goes, mm, instead of `at`: a point on the object or beside it.
     turn : float
-        By which the text is turned to the left, degrees.
+        By which the text is turned to the left, degrees; one that goes around lies level.
     brush_mm : float, optional
         Length of the brush for which a text around leaves what is in the way out; by default the
         `room_mm` of the limits.
+
+    Raises
+    ------
+    InputError
+        If a text around is turned.
     """
 
     order: str = "columns"
@@ -192,6 +197,14 @@ class Layout:
     point: tuple[float, float, float] | None = None
     turn: float = 0.0
     brush_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.around and self.turn:
+            raise InputError(
+                "the turn is {turn:g} degrees, but a text around an object lies level; expected "
+                "no turn, or a text that does not go around",
+                turn=self.turn,
+            )
 
     @property
     def is_placed(self) -> bool:
@@ -579,7 +592,7 @@ class TextPlace:
         self.surface = self.area.surface
         self.up = self.area.upright(self.middle.normal, self.layout)
         self._climbs: dict[float, SurfaceLine] = {}
-        self.free: dict[float, FreeArc | None] = {}  # arcs for a text around, once found
+        self._free: dict[tuple[float, float], FreeArc | None] = {}  # arcs that were found
         self.for_brush = self.limits
         if self.layout.brush_mm is not None:
             self.for_brush = replace(self.limits, room_mm=self.layout.brush_mm)
@@ -600,6 +613,42 @@ class TextPlace:
         if sign not in self._climbs:
             self._climbs[sign] = self.walk(self.middle, (0.0, sign))
         return self._climbs[sign]
+
+    def find_free_arc(self, ring: Ring, low: float, high: float) -> FreeArc | None:
+        """The arc of a ring where squares from so low to so high (mm above it) may stand.
+
+        None where they may all round it.
+
+        Raises
+        ------
+        MeshError
+            If the brush has no room anywhere.
+        """
+        key = round(low, 3), round(high, 3)
+        if key not in self._free:
+            heights = np.linspace(low, high, 1 + math.ceil((high - low) / self.em_mm)).tolist()
+            try:
+                self._free[key] = ring.find_arc(
+                    self.for_brush.room_mm, heights, partial(self.is_free, heights=heights),
+                    placed=self.layout.is_placed, centred=self.layout.at is not None,
+                )  # fmt: skip
+            except MeshError:
+                if self.layout.brush_mm is None:
+                    raise
+                self._free[key] = None  # another brush may have room
+        return self._free[key]
+
+    def is_free(self, point: AnyArray, heights: Sequence[float]) -> bool:
+        """Return whether squares can be laid so many mm above a point (3,), for the usual brush."""
+        try:
+            frame = self.frame(point)
+            for height in heights:
+                line = self.walk(frame, (0.0, math.copysign(1.0, height)), abs(height))
+                above = self.frame(line.at(abs(height)))
+                lay_square(self.surface, above, self.em_mm, self.for_brush)
+        except InputError:
+            return False
+        return True
 
     def surface_ends_error(self) -> MeshError:
         """Error for a text that goes on beyond the surface."""
@@ -634,15 +683,8 @@ class _Grid(TextPlace):
         """Where the columns of a block so many mm high may stand; None: all round a body."""
         if self.ring is None:
             return None
-        key = round(block, 3)
-        if key not in self.free:
-            top = self._top(block)
-            heights = np.linspace(top - block, top, 1 + math.ceil(block / self.em_mm)).tolist()
-            self.free[key] = self.ring.find_arc(
-                self.for_brush.room_mm, heights, partial(self._is_free, heights=heights),
-                placed=self.layout.is_placed, centred=self.layout.at is not None,
-            )  # fmt: skip
-        return self.free[key]
+        top = self._top(block)
+        return self.find_free_arc(self.ring, top - block, top)
 
     def in_the_way_error(self, fault: InputError, arc: FreeArc, lines: Sequence[str]) -> InputError:
         """A fault with what is in the way, and with a place that would do where one was asked."""
@@ -650,7 +692,7 @@ class _Grid(TextPlace):
         if self.ring is None or self.layout.at is None:
             return found
         free = self.ring.find_arc(
-            self.for_brush.room_mm, (0.0,), partial(self._is_free, heights=(0.0,))
+            self.for_brush.room_mm, (0.0,), partial(self.is_free, heights=(0.0,))
         )
         if free is None:
             return found
@@ -663,17 +705,6 @@ class _Grid(TextPlace):
         except InputError:
             return found
         return with_place(found, u, self.layout.at[1])
-
-    def _is_free(self, point: AnyArray, heights: Sequence[float]) -> bool:
-        """Return whether squares can be laid so many mm above a point, for the usual brush."""
-        frame = self.frame(point)
-        try:
-            for height in heights:
-                line = self.walk(frame, (0.0, math.copysign(1.0, height)), abs(height))
-                self._lay(line.at(abs(height)), self.for_brush)
-        except InputError:
-            return False
-        return True
 
     @property
     def room(self) -> float:
@@ -721,10 +752,7 @@ class _Grid(TextPlace):
         return True
 
     def _square(self, point: AnyArray) -> EmSquare:
-        return self._lay(point, self.limits)
-
-    def _lay(self, point: AnyArray, limits: SquareLimits) -> EmSquare:
-        return lay_square(self.surface, self.frame(point), self.em_mm, limits)
+        return lay_square(self.surface, self.frame(point), self.em_mm, self.limits)
 
     def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
         """Return whether so many squares fit, across and down, by the middle lines alone."""
@@ -778,9 +806,10 @@ class _Grid(TextPlace):
         """The squares of a text, or None where it does not fit."""
         for widest in _WIDEST_PITCHES:
             for broken in self._ways_to_break(lines):
-                placed = self._fit_lines(broken, widest)
-                if placed is not None:
-                    return placed
+                with suppress(MeshError):
+                    placed = self._fit_lines(broken, widest)
+                    if placed is not None:
+                        return placed
         return None
 
     def _ways_to_break(self, lines: Sequence[str]) -> list[list[str]]:
@@ -796,7 +825,7 @@ class _Grid(TextPlace):
         return [[text[k : k + tall] for k in range(0, n, tall)] for tall in ordered]
 
     def _fit_lines(self, lines: Sequence[str], widest: float) -> list[PlacedCharacter] | None:
-        """Lay a grid as narrow as it can be; None where it does not fit."""
+        """Lay a grid as narrow as it can be; None or MeshError where it does not fit."""
         shape = len(lines), max(map(len, lines))
         wide, tall = shape = shape if self.layout.order == "columns" else shape[::-1]
         pitch = self.pitch.copy()
@@ -812,20 +841,19 @@ class _Grid(TextPlace):
         rows = {0, min(1, deepest - 1), deepest - 1}
         sample = [_Cell("", x, y) for x in range(min(wide, 2)) for y in sorted(rows)]
         while self._has_room(shape, pitch) and pitch.max() <= widest * self.em_mm * self._loose:
-            try:
-                apart = self._overlaps(sample, self._place_cells(sample, shape, pitch), wide)
-                if not apart.any():
-                    cells = self._cells(lines)
-                    placed = self._place_cells(cells, shape, pitch)
-                    apart = self._overlaps(cells, placed, wide)
-            except MeshError:
-                return None
+            arc = self.find_arc((tall - 1) * pitch[1])
+            n_round = wide if self.ring is not None and arc is None else None
+            apart = self._overlaps(sample, self._place_cells(sample, shape, pitch), n_round)
+            if not apart.any():
+                cells = self._cells(lines)
+                placed = self._place_cells(cells, shape, pitch)
+                apart = self._overlaps(cells, placed, n_round)
             if not apart.any():
                 if overlapping(placed, lambda *_: _TOUCHING * self.em_mm) is not None:
                     return None  # two that are no neighbours: level lines may run together
                 squares = zip(cells, placed, strict=True)
                 return [PlacedCharacter(cell.text, square, cell.line) for cell, square in squares]
-            if self.ring is not None and arc is None and apart[0] > 0.0:
+            if n_round is not None and apart[0] > 0.0:
                 return None
             least = np.array([_LEAST_WIDENING, _LEAST_HEIGHTENING]) * self.em_mm
             pitch += np.where(apart > 0.0, np.maximum(1.2 * apart, least), 0.0)
@@ -894,13 +922,17 @@ class _Grid(TextPlace):
             return -0.5 * width
         return -(wide - 1) * pitch if self.layout.order == "columns" else 0.0
 
-    def _overlaps(self, cells: Sequence[_Cell], squares: Sequence[EmSquare], wide: int) -> AnyArray:
-        """The largest overlaps (mm) of neighbours in a row or diagonally, and in a column."""
+    def _overlaps(
+        self, cells: Sequence[_Cell], squares: Sequence[EmSquare], n_round: int | None
+    ) -> AnyArray:
+        """The largest overlaps (mm) of neighbours in a row or diagonally, and in a column.
+
+        Where so many stand all round a body, the last is a neighbour of the first.
+        """
         at = {(c.across, c.down): square for c, square in zip(cells, squares, strict=True)}
-        goes_round = self.ring is not None and not any(self.free.values())
         worst = np.zeros(2)
         for (across, down), square in at.items():
-            right = (across + 1) % wide if goes_round else across + 1
+            right = across + 1 if n_round is None else (across + 1) % n_round
             for key in ((right, down), (right, down + 1), (right, down - 1), (across, down + 1)):
                 other = at.get(key)
                 if other is not None and other is not square:

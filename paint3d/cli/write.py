@@ -198,7 +198,7 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
     add_side_option(place)
     place.add_argument(
         "--rotate", metavar="DEG", type=parse_turn, default=0.0,
-        help="turn the text to the left, degrees (default: 0)",
+        help="turn the text to the left, degrees (default: 0); not with --around, which lies level",
     )  # fmt: skip
     for name, what, usual in (
         ("gap", "columns, or rows,", _GAP), ("between", "the characters of one", 0.0),

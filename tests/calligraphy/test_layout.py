@@ -169,13 +169,23 @@ def test_a_text_that_does_not_fit_says_at_which_size_it_would():
         ("sphere", 140.0, Layout(), "stretched by"),
         ("sphere", 20.0, Layout(side="inside"), "faces away"),
         ("plane", 20.0, Layout(side="outside"), "no surface at"),
-        ("plane", 20.0, Layout(around=True), "does not come back"),
+        ("plane", 20.0, Layout(around=True), "does not go around it"),
+        ("plate", 20.0, Layout(around=True, at=(0.5, 0.4)), "does not go around it"),
         ("bowl", 20.0, Layout(at=(0.5, 0.99)), "edge or a tight bend"),
     ],
 )
 def test_no_place_is_said_and_why(name, em, layout, words):
     with pytest.raises(MeshError, match=words):
         layout_text(body(name), "永", em, layout)
+
+
+def test_a_text_around_a_plate_goes_round_its_rim_not_beneath_it():
+    placed = layout_text(body("plate"), "山高水長", 20.0, Layout("row", around=True))
+    frames = [one.square.chart.frame for one in placed]
+    assert all(frame.normal[2] > 0.5 for frame in frames)
+    assert [frame.origin[2] for frame in frames] == pytest.approx(
+        [frames[0].origin[2]] * 4, abs=0.1
+    )
 
 
 def sheets(*offsets):

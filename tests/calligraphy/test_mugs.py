@@ -11,7 +11,7 @@ import pytest
 from paint3d.calligraphy.fonts.font_file import open_font
 from paint3d.calligraphy.fonts.shaping import Style
 from paint3d.calligraphy.fonts.typesetting import set_text
-from paint3d.calligraphy.layout import Layout, layout_text
+from paint3d.calligraphy.layout import Layout, TextPlace, WritingArea, layout_text
 from paint3d.calligraphy.page.laying import lay_page
 from paint3d.cli.info import info_lines
 from paint3d.cli.write import say_if_hidden
@@ -19,9 +19,9 @@ from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SquareLimits
-from paint3d.mesh.placement import turns_of
+from paint3d.mesh.placement import place, turns_of
 from tests.support.cases import long_but
-from tests.support.mugs import make_mug, make_teapot
+from tests.support.mugs import make_mug, make_pot_among_balls, make_teapot
 
 DEJAVU = Path("/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf")
 TEXTS = ("Maria Löwe", "The quick brown\nfox jumps", "山高水長")
@@ -148,6 +148,29 @@ def test_between_handle_and_spout_a_text_has_one_side_of_a_teapot():
     assert turns.mean() == pytest.approx(0.5, abs=0.02)
     with pytest.raises(InputError, match=r"a part of the object \(at 0\.[27]\d,0\.50\)"):
         layout_text(surface, "山高水長" * 2, 24.0, Layout("row", around=True), LIMITS)
+
+
+@pytest.mark.skipif(not DEJAVU.exists(), reason="DejaVu is not installed")
+def test_lines_around_take_the_one_arc_that_is_free_beside_all_of_them():
+    """The upper line alone has the back of the pot, the lower one its front."""
+    pot = make_pot_among_balls((0.25, 0.0), (0.75, 0.0), (0.5, 25.0), (0.0, -25.0))
+    text = set_text("Hill\nMain", open_font(DEJAVU), Style(), None, "row")
+    _, pieces = lay_page(ClosestPoints(pot), text, 12.0, Layout("row", around=True), LIMITS)
+    origins = np.array([piece.square.chart.frame.origin for piece in pieces])
+    assert origins[:, 2] == pytest.approx(np.repeat([7.0, -7.0], 4), abs=0.1)
+    assert 0.1 < np.ptp(turns_of(pot, origins)) + 0.05 < 0.25
+
+
+@pytest.mark.skipif(not DEJAVU.exists(), reason="DejaVu is not installed")
+def test_nothing_stands_where_things_are_in_the_way_all_round_or_it_is_level():
+    pot = ClosestPoints(make_pot_among_balls(*((k / 12.0, 0.0) for k in range(12))))
+    text = set_text("Hill", open_font(DEJAVU), Style(), None, "row")
+    with pytest.raises(InputError, match="a part of it is in the way all round there"):
+        lay_page(pot, text, 12.0, Layout("row", around=True, at=(1 / 24, 0.5)), LIMITS)
+    mug = ClosestPoints(make_mug(0.0))
+    at_front = TextPlace(WritingArea(mug), 10.0, Layout(), LIMITS, place(mug, (0.5, 0.5)))
+    assert at_front.is_free(at_front.middle.origin, (0.0, 15.0))
+    assert not at_front.is_free(np.array([0.0, 0.0, 4.0]), (0.0,)), "the floor"
 
 
 def test_where_a_handle_is_in_the_way_is_said_of_the_object():

@@ -13,7 +13,7 @@ import pytest
 from paint3d.app.model.document import Document
 from paint3d.cli import main, options, replay, write
 from paint3d.cli.batches.rows import command_parser
-from paint3d.colour.materials import material_names
+from paint3d.colour.materials import load_material, material_names
 from paint3d.files.load import load_mesh
 from paint3d.recording.recording import load_recording
 from tests.support.fonts import REFERENCE
@@ -46,7 +46,8 @@ def glyphs(tmp_path_factory) -> Path:
         ("一", {"glyphs": "nowhere"}, "nowhere: no such folder"),
         ("一", {"glyphs": "."}, "holds no glyphs"),
         ("一", {"at": "0.5,0.99"}, "the surface ends"),
-        ("一", {"around": None}, "does not come back"),
+        ("一", {"around": None}, "does not go around it"),
+        ("一", {"around": None, "rotate": 20}, "a text around an object lies level"),
         ("一", {"out": "a.xyz"}, "unknown kind of file"),
         ("一", {"technique": "pianfeng", "azimuth": "dragged"}, "dragged tuft"),
         ("一", {"brush": "broom"}, "unknown brush 'broom'"),
@@ -228,7 +229,7 @@ def asked_of(*words: str) -> argparse.Namespace:
 def test_a_text_is_written_on_the_face_that_is_asked_for(side: str, axis) -> None:
     asked = asked_of("一", "--on=vase", "--size=20", f"--side={side}", "--processes=1")
     make, source = write.planner(asked)
-    vase = SimpleNamespace(source=load_mesh("vase"))
+    vase = SimpleNamespace(source=load_mesh("vase"), material=load_material("porcelain"))
     written = write.plan(asked, vase, make, write.settings_of(asked), source, "always", {})
     middle = written.placed[0].square.chart.frame.origin[:2]
     np.testing.assert_allclose(middle / np.linalg.norm(middle), axis, atol=0.05)

@@ -9,7 +9,7 @@ import trimesh
 
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
-__all__ = ["make_mug", "make_teapot"]
+__all__ = ["make_mug", "make_pot_among_balls", "make_teapot"]
 
 _RADIUS, _HEIGHT = 41.0, 95.0
 
@@ -60,3 +60,14 @@ def make_teapot() -> TriangleMesh:
     spout.apply_translation([-70.0, 0.0, 60.0])
     whole = trimesh.util.concatenate([pot, handle, spout])
     return TriangleMesh(whole.vertices, whole.faces, name="teapot")
+
+
+def make_pot_among_balls(*places: tuple[float, float]) -> TriangleMesh:
+    """A cylinder about z, 82 mm wide, with balls in the air before it: at a U and a height, mm."""
+    parts = [trimesh.creation.cylinder(_RADIUS, _HEIGHT, sections=128)]
+    for turn, height in places:
+        angle = 2.0 * np.pi * (turn - 0.75)
+        middle = (_RADIUS + 20.0) * np.cos(angle), (_RADIUS + 20.0) * np.sin(angle), height
+        parts.append(trimesh.creation.icosphere(2, 6.0).apply_translation(middle))
+    pot = trimesh.util.concatenate(parts)
+    return TriangleMesh(pot.vertices, pot.faces, name="pot")

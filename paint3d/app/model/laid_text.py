@@ -128,10 +128,11 @@ class LaidText:
 
     @property
     def layout(self) -> Layout:
-        """How it is laid out."""
+        """How it is laid out; around an object it lies level."""
         return Layout(
-            self.order, gap=self.gap, between=self.between, point=self.point, turn=self.turn,
-            around=self.around, brush_mm=brush_for(self.em_mm).length_mm,
+            self.order, gap=self.gap, between=self.between, point=self.point,
+            turn=0.0 if self.around else self.turn, around=self.around,
+            brush_mm=brush_for(self.em_mm).length_mm,
         )  # fmt: skip
 
     def words(self) -> dict[str, Any]:

@@ -256,30 +256,20 @@ class _Sheet(TextPlace):
         return sorted({round(self.scale * (one.at[1] - middle) + move, 6) for one in page.pieces})
 
     def _find_arc(self, heights: Sequence[float]) -> FreeArc | None:
-        """The free arc for lines at such heights, mm; None where nothing is in the way."""
-        found = [self._arc_at(one) for one in heights]
-        arcs = [arc for arc in found if arc is not None]
-        if not arcs:
+        """The free arc for lines at such heights, rising, mm; None where nothing is in the way.
+
+        What is free beside all of them, along each: the body may be narrower at some.
+        """
+        arc = self.find_free_arc(self._ring_at(0.0), heights[0], heights[-1])
+        if arc is None:
             return None
-        start, end = max(arc.start for arc in arcs), min(arc.end for arc in arcs)
-        return replace(arcs[0], start=start, end=max(start, end))
-
-    def _arc_at(self, height: float) -> FreeArc | None:
-        if height not in self.free:
-
-            def is_free(point: AnyArray) -> bool:
-                try:
-                    frame = upright_frame(self.surface, point, self.up)
-                    lay_square(self.surface, frame, self.em_mm, self.for_brush)
-                except InputError:
-                    return False
-                return True
-
-            self.free[height] = self._ring_at(height).find_arc(
-                self.for_brush.room_mm, (0.0,), is_free,
-                placed=self.layout.is_placed, centred=self.layout.at is not None,
-            )  # fmt: skip
-        return self.free[height]
+        rings = [self._ring_at(height) for height in (0.0, *heights)]
+        girths = [ring.length / ring.n_turns for ring in rings]
+        start, end = (
+            best(place * girth / girths[0] for girth in girths)
+            for best, place in ((max, arc.start), (min, arc.end))
+        )
+        return replace(arc, start=start, end=max(start, end))
 
     def _ring_at(self, height: float) -> Ring:
         if height not in self._rings:
