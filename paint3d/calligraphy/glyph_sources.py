@@ -142,21 +142,19 @@ def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:
 
 def has_letters(text: str) -> bool:
     """Return whether a text has letters that stand in no squares, as those of alphabets."""
-    return any(
-        unicodedata.category(one)[0] == "L" and unicodedata.east_asian_width(one) not in "WF"
-        for one in text
-    )
+    return any(unicodedata.category(one)[0] == "L" and not is_square_letter(one) for one in text)
 
 
 def is_square_letter(character: str) -> bool:
     """Return whether it is a letter or number of Chinese, Japanese or Korean, not a mark."""
-    is_wide = unicodedata.east_asian_width(character) in "WF"
-    return is_wide and unicodedata.category(character)[0] in "LN"
+    is_theirs = unicodedata.east_asian_width(character) in "WFH"
+    return is_theirs and unicodedata.category(character)[0] in "LN"
 
 
 def missing_glyphs(source: GlyphSource, text: str) -> list[str]:
     """Characters of a text that a source does not know, each once, without white space."""
-    return [one for one in dict.fromkeys("".join(text.split())) if not source.has(one)]
+    characters = "".join(unicodedata.normalize("NFC", text).split())
+    return [one for one in dict.fromkeys(characters) if not source.has(one)]
 
 
 def names_of(characters: Iterable[str]) -> str:

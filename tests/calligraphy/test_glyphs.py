@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import math
 import sys
+import unicodedata
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -413,6 +415,35 @@ def test_a_word_is_one_piece_beside_characters_in_squares(system_fonts, caplog) 
     assert len({piece.at[1] for piece in mixed.compose(3000.0).pieces}) > 2, (
         "it breaks at the space"
     )
+
+
+def test_words_beside_squares_stand_as_they_are_read_and_leave_punctuation_to_its_fonts(
+    system_fonts, caplog
+) -> None:
+    system_fonts.add("Beta Script", "LenaéبتL")
+    system_fonts.add("Gamma Song", "Lenaé，")
+    mixed = set_whole(SOURCE, "生日，Lena", None)
+    assert [one.getMessage() for one in caplog.records] == [
+        "Lena is written in the font Beta Script",
+        "kanjivg lacks characters: ， is taken from Gamma Song",
+    ]
+    assert [piece.glyph.text for piece in mixed.compose(math.inf).pieces] == [*"生日，Lena"]
+    decomposed = unicodedata.normalize("NFD", "山 é")
+    assert set_whole(SOURCE, decomposed, None).font.name == "Beta Script"
+    for text, seen in (("永 ب ت", "永تب"), ("ب ت 永和", "永和تب")):
+        pieces = set_whole(SOURCE, text, None).compose(math.inf).pieces
+        assert [piece.glyph.text for piece in pieces] == [*text.replace(" ", "")]
+        boxes = sorted((piece.box, piece.glyph.text) for piece in pieces)
+        assert "".join(one for _, one in boxes) == seen
+        assert all(one[2] <= two[0] for (one, _), (two, _) in pairwise(boxes))
+
+
+def test_katakana_of_half_width_stand_in_squares_in_their_middle(system_fonts) -> None:
+    system_fonts.add("Test Kai", "ｱ", scale=0.5)
+    assert set_whole(SOURCE, "ｱｱ", None) is None
+    strokes = with_fallback(SOURCE, "ｱ").load("ｱ").strokes
+    x = np.concatenate([stroke.outline[:, 0] for stroke in strokes])
+    assert x.min() == pytest.approx(256.0, abs=20.0), "in the font it begins where the em does"
 
 
 def test_words_that_go_around_are_set_in_a_font_and_squares_are_not(system_fonts) -> None:

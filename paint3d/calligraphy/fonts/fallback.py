@@ -10,6 +10,7 @@ from __future__ import annotations
 import logging
 import math
 import re
+import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -36,7 +37,7 @@ from paint3d.calligraphy.glyph_sources import (
     missing_glyphs,
     names_of,
 )
-from paint3d.calligraphy.glyphs import Glyph
+from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
 from paint3d.calligraphy.optional_packages import import_optional
 from paint3d.calligraphy.page.page import as_multipolygon
 from paint3d.calligraphy.shapes.decompose import decompose
@@ -166,12 +167,13 @@ class FallbackGlyphs:
         return self.fonts[text].load(text) if text in self.fonts else self.source.load(text)
 
 
-def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
+def with_fallback(source: GlyphSource, text: str, *, marks: bool = False) -> GlyphSource:
     """A source that has all characters of a text: the same one, or one with fonts of the system.
 
-    A font stands in for missing letters that stand in squares, such as Chinese characters: one font
-    for all, or where none has all of them, for each the first that has it. Kai faces come first,
-    then Song and Ming faces, then others. Which is taken is logged in one line.
+    A font stands in for missing letters that stand in squares, such as Chinese characters, and with
+    `marks` for all else, as it stands in rows: one font for all, or where none has all of them, for
+    each the first that has it. Kai faces come first, then Song and Ming faces, then others. Which
+    is taken is logged in one line.
 
     Raises
     ------
@@ -192,7 +194,7 @@ def with_fallback(source: GlyphSource, text: str) -> GlyphSource:
             names=names_of(missing),
             cause=cause,
         ) from None
-    found = _fonts_for([one for one in missing if is_square_letter(one)])
+    found = _fonts_for([one for one in missing if marks or is_square_letter(one)])
     lacking = [one for one in missing if one not in found]
     if lacking and (whole := _best_font(text)) is not None:
         raise GlyphError(
@@ -230,7 +232,7 @@ def set_whole(
 
     It is one with letters of an alphabet, which stand in words, in rows; in columns only words that
     go around an object, and what the source lacks. Characters that stand in squares remain those of
-    the source beside words of a row.
+    the source beside words of a row, and so does their punctuation.
 
     Parameters
     ----------
@@ -251,6 +253,7 @@ def set_whole(
     InputError
         If the font cannot be used.
     """
+    text = unicodedata.normalize("NFC", text)
     lacking = [one for one in missing_glyphs(source, text) if not is_square_letter(one)]
     in_rows = order != "columns" and has_letters(text)
     if not (lacking or in_rows or (around and has_words(text))):
@@ -264,7 +267,7 @@ def set_whole(
     if in_rows and squares and (font := _best_font(words)) is not None:
         opened = open_font(font.path, font.number)
         _LOG.warning("%.40s is written in the font %s", " ".join(words.split()), font.family)
-        return MixedText(text, with_fallback(source, squares), opened)
+        return MixedText(text, with_fallback(source, squares, marks=True), opened)
     font = _best_font(text)
     if font is None:
         return None
@@ -314,7 +317,12 @@ def _is_simplified(text: str) -> bool:
 
 
 def _ink(font: FontFile, character: str) -> MultiPolygon:
-    return font.outline(font.font.get_nominal_glyph(ord(character)))
+    """The ink of a character, in the middle of the em."""
+    from shapely.affinity import translate
+
+    ink = font.outline(font.font.get_nominal_glyph(ord(character)))
+    is_half = unicodedata.east_asian_width(character) == "H"  # it has the left half of the em
+    return translate(ink, 0.25 * EM_UNITS) if is_half else ink
 
 
 def _ink_of(glyph: Glyph) -> Geometry:

@@ -7,13 +7,18 @@ from __future__ import annotations
 
 import math
 import unicodedata
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import groupby
 
 from paint3d.calligraphy.fonts.font_file import FontFile
-from paint3d.calligraphy.fonts.shaping import Shaper, Style
+from paint3d.calligraphy.fonts.shaping import (
+    Shaper,
+    Style,
+    base_level,
+    levels_of,
+    visual_order,
+)
 from paint3d.calligraphy.fonts.typesetting import FontText, break_line
 from paint3d.calligraphy.glyph_sources import GlyphSource, is_square_letter
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph
@@ -26,13 +31,15 @@ _PITCH = 1.15 * EM_UNITS  # from line to line
 
 
 def squares_of(text: str) -> str:
-    """The characters of a text that stand in squares, each once."""
+    """The characters of a row that stand in squares, with their punctuation, each once."""
     return "".join(one for one in dict.fromkeys(text) if _is_square(one))
 
 
 def _is_square(run: str) -> bool:
-    """Return whether it is a character that stands in a square."""
-    return len(run) == 1 and is_square_letter(run)
+    """Return whether it is a character that stands in a square of a row."""
+    if len(run) != 1 or run.isspace():
+        return False
+    return is_square_letter(run) or unicodedata.east_asian_width(run) in "WF"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +49,7 @@ class MixedText:
     Parameters
     ----------
     text : str
-        Line breaks start a new row.
+        In Unicode's composed form (NFC); line breaks start a new row.
     source : GlyphSource
         Of what `squares_of` finds.
     font : FontFile
@@ -59,7 +66,9 @@ class MixedText:
     font: FontFile
     runs_down: bool = field(default=False, init=False)
     _glyphs: dict[str, Glyph] = field(default_factory=dict, init=False, repr=False)
-    _words: dict[str, tuple[Page, float]] = field(default_factory=dict, init=False, repr=False)
+    _words: dict[tuple[str, int], tuple[Page, float]] = field(
+        default_factory=dict, init=False, repr=False
+    )
     _pages: dict[tuple[str, ...], Page] = field(default_factory=dict, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -88,62 +97,76 @@ class MixedText:
 
     @cached_property
     def _paragraphs(self) -> list[str]:
-        lines = unicodedata.normalize("NFC", self.text).replace("\t", " ").splitlines()
+        lines = self.text.replace("\t", " ").splitlines()
         return [line.strip() for line in lines if line.strip()]
 
     @cached_property
     def _advances(self) -> list[list[float]]:
         """Of every character of every paragraph."""
-        shaper, found = Shaper(self.font, Style()), []
+        found = []
         for part in self._paragraphs:
             advances: list[float] = []
-            for run in _runs_of(part):
+            for run, level in _runs_of(part):
                 if run.isspace():
                     advances += [_SPACE / len(run)] * len(run)
                 elif _is_square(run):
                     advances.append(EM_UNITS)
                 else:
-                    advances += shaper.advances(run)
+                    advances += Shaper(self.font, _style_at(level)).advances(run)
             found.append(advances)
         return found
 
     def _set_row(self, number: int, row: str) -> list[Piece]:
-        pieces: list[Piece] = []
-        x, y, word, before = 0.0, -_PITCH * number, 0, ""
-        for run in _runs_of(row):
+        runs = _runs_of(row)
+        placed: dict[int, list[Piece]] = {}
+        x, y, before = 0.0, -_PITCH * number, ""
+        for k in visual_order([level for _, level in runs]):
+            run, level = runs[k]
+            if before.strip() and not run.isspace() and _is_square(before) != _is_square(run):
+                x += _BESIDE
             if run.isspace():
                 x += _SPACE
             elif _is_square(run):
-                x += 0.0 if not before.strip() or _is_square(before) else _BESIDE
                 glyph = self._glyphs.setdefault(run, self.source.load(run))
-                middle = glyph.middle
-                pieces.append(Piece(glyph, (x + middle[0], y + middle[1]), (number, word)))
-                x, word = x + EM_UNITS, word + 1
+                placed[k] = [Piece(glyph, (x + glyph.middle[0], y + glyph.middle[1]))]
+                x += EM_UNITS
             else:
-                x += _BESIDE if before and _is_square(before) else 0.0
-                page, width = self._word(run)
-                for piece in page.pieces:
-                    at = (x + piece.at[0], y + piece.at[1])
-                    pieces.append(replace(piece, at=at, word=(number, word)))
-                x, word = x + width, word + 1
+                page, width = self._word(run, level)
+                left = x + width if level % 2 else x  # its origin is where it begins
+                placed[k] = [
+                    replace(piece, at=(left + piece.at[0], y + piece.at[1]))
+                    for piece in page.pieces
+                ]
+                x += width
             before = run
-        return pieces
+        return [
+            replace(piece, word=(number, word))
+            for word, k in enumerate(sorted(placed))
+            for piece in placed[k]
+        ]
 
-    def _word(self, run: str) -> tuple[Page, float]:
+    def _word(self, run: str, level: int) -> tuple[Page, float]:
         """A word in the font, from its origin on the baseline, and how far it goes on."""
-        if run not in self._words:
-            width = sum(Shaper(self.font, Style()).advances(run))
-            self._words[run] = (
-                FontText(run, self.font, Style(), self.source).compose(math.inf),
-                width,
-            )
-        return self._words[run]
+        if (run, level) not in self._words:
+            style = _style_at(level)
+            page = FontText(run, self.font, style, self.source).compose(math.inf)
+            self._words[run, level] = page, sum(Shaper(self.font, style).advances(run))
+        return self._words[run, level]
 
 
-def _runs_of(line: str) -> Sequence[str]:
-    """Words, spaces, and each character that stands in a square by itself."""
-    runs: list[str] = []
-    for kind, members in groupby(line, lambda one: (_is_square(one), one.isspace())):
-        run = "".join(members)
-        runs += list(run) if kind[0] else [run]
+def _style_at(level: int) -> Style:
+    """The style of a run of one level."""
+    return Style(direction="rtl" if level % 2 else "ltr")
+
+
+def _runs_of(line: str) -> list[tuple[str, int]]:
+    """Words, spaces, and each character that stands in a square by itself; each with its level."""
+    runs: list[tuple[str, int]] = []
+    levels = levels_of(line, base_level(line))
+    kinds = [(_is_square(one), one.isspace()) for one in line]
+    start = 0
+    for ((is_square, _), level), members in groupby(zip(kinds, levels, strict=True)):
+        end = start + len(list(members))
+        run, start = line[start:end], end
+        runs += [(part, level) for part in (run if is_square else [run])]
     return runs

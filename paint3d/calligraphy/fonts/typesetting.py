@@ -15,7 +15,7 @@ import numpy as np
 
 from paint3d.calligraphy.fonts.font_file import FontFile
 from paint3d.calligraphy.fonts.shaping import DIRECTIONS, ShapedGlyph, Shaper, Style
-from paint3d.calligraphy.glyph_sources import GlyphSource
+from paint3d.calligraphy.glyph_sources import GlyphSource, is_square_letter
 from paint3d.calligraphy.glyphs import EM_UNITS, Glyph, GlyphStroke
 from paint3d.calligraphy.page.page import Page, Piece, as_multipolygon, bounds_of, polygons_of
 from paint3d.calligraphy.shapes.decompose import decompose
@@ -297,7 +297,7 @@ def is_written_down(text: str) -> bool:
 
 def has_words(text: str) -> bool:
     """Return whether letters of a text are set together as words, as those of alphabets are."""
-    letters = [unicodedata.category(one)[0] in "LM" and not _is_wide(one) for one in text]
+    letters = [unicodedata.category(one)[0] in "LM" and not is_square_letter(one) for one in text]
     return any(map(all, pairwise(letters)))
 
 
