@@ -21,8 +21,9 @@ def import_optional(name: str) -> Any:
     try:
         return import_module(name)
     except ImportError:
+        package = name.partition(".")[0]
         raise InputError(
             "fonts, drawings and photographs need {package}, which is not installed",
-            package=name.split(".")[0],
-            hint="pip install 'paint3d[hand]'",
+            package=package,
+            hint="pip install " + ("'paint3d[hand]'" if package == "skimage" else package),
         ) from None

@@ -185,14 +185,14 @@ def _add_writing_options(parser: argparse.ArgumentParser) -> None:
     place.add_argument(
         "--layout",
         choices=("columns", "row"),
-        help="columns from right to left, or rows (default: columns; with --font as its script is "
-        "written)",
+        help="columns from right to left, or rows (default: columns; rows for a text with letters "
+        "of an alphabet, with --font for one that begins with them)",
     )
     add_at_option(place, "the text's")
     place.add_argument(
         "--around",
         action="store_true",
-        help="spread the text evenly around the body, as columns or, with --layout row, as a row; "
+        help="spread the text evenly around the body, in columns or rows as --layout says; "
         "beside a handle it takes the free arc. --at says where its middle goes",
     )
     add_side_option(place)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -21,6 +22,7 @@ from paint3d.calligraphy.fonts.typesetting import (
 )
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.layout import Layout
+from paint3d.calligraphy.optional_packages import import_optional
 from paint3d.calligraphy.page.laying import lay_page
 from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.errors import InputError
@@ -216,6 +218,19 @@ def test_words_are_of_letters_that_stand_in_no_squares(text, words) -> None:
 def test_what_cannot_be_written_is_said(make, words) -> None:
     with pytest.raises(InputError, match=words):
         make()
+
+
+@pytest.mark.parametrize(
+    ("missing", "words"),
+    [
+        ("uharfbuzz", r"need uharfbuzz, which is not installed \(pip install uharfbuzz\)"),
+        ("skimage.measure", r"need skimage, which .* \(pip install 'paint3d\[hand\]'\)"),
+    ],
+)
+def test_a_package_that_is_missing_is_said_with_how_to_get_it(monkeypatch, missing, words) -> None:
+    monkeypatch.setitem(sys.modules, missing, None)
+    with pytest.raises(InputError, match=words):
+        import_optional(missing)
 
 
 def test_a_table_without_a_name_is_no_fault(tmp_path) -> None:

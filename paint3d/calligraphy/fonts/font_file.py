@@ -416,7 +416,7 @@ def _unpack_web_font(path: Path, data: bytes) -> bytes:
         raise InputError(
             "{file}: a web font packed by Brotli, which is not installed; expected a .ttf or .otf",
             file=path,
-            hint="pip install 'paint3d[hand]'",
+            hint="pip install brotli",
         ) from None
     except Exception as cause:  # of its many kinds, few are documented
         raise InputError(
