@@ -207,7 +207,7 @@ def test_a_row_whose_process_was_killed_is_tried_again(monkeypatch) -> None:
     assert outcome.message == "its process died (SIGKILL)"
 
 
-def _killed_once(connection) -> None:
+def _killed_once(connection, quiet) -> None:
     from paint3d.cli.batches.workers import _run_all
 
     exec(Path("killer.py").read_text())
