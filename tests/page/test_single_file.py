@@ -177,8 +177,9 @@ def test_a_page_that_only_shows_it_says_why(
     save_session(painting, session)
     for name, options, said in (
         (str(session), ["--view-only"], None),
-        (str(session), [], "the page to paint on is not built here"),
+        (str(session), [], "the kernels of the page are not compiled (python -m tools.kernels"),
         ("plate", [], "it is no session"),
+        (str(session), ["--exact"], "it was to be written with other colours, vertices"),
         (str(session), ["--filaments", "2"], "it was to be written with other colours"),
     ):
         assert main(["export", name, str(tmp_path / "a.html"), "--force", *options]) == 0
