@@ -88,7 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--view-only",
         action="store_true",
         help=".html: a page that turns the object, and nothing else (default: one that also shows "
-        "how it was painted, and lets one paint on it)",
+        "how it was painted, and lets one paint on it, where that can be)",
     )
     add_light_options(parser)
     add_force_option(parser)

@@ -16,6 +16,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 
@@ -27,6 +28,7 @@ from paint3d.app.model.persistence.saved_settings import (
 )
 from paint3d.app.model.score.codecs import InkTable, make_header
 from paint3d.app.model.score.playing import begun, play
+from paint3d.app.model.seal_press import PASTE
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush.spec import DipAmount
 from paint3d.colour.inks import load_ink
@@ -168,17 +170,19 @@ def _bytes_of(surface: PaintedSurface) -> int:
 
 
 def _of_recordings(session: Session) -> Score:
-    """A score of a painting that was painted whole: each recording is a stroke.
+    """A score of a painting that was painted whole, each recording a stroke, and gone on with.
 
     Raises
     ------
     InputError
         If the session does not say what it was painted with, or what was done to it since.
     """
-    surface, settings = session.surface, session.settings
-    if not session.recordings or session.strokes or not {"brush", "ink"} <= set(settings):
+    surface, later = session.surface, session.later
+    settings = session.settings if later is None else later.header
+    if not session.recordings or not {"brush", "ink"} <= set(settings):
         raise InputError("it is not recorded how it was painted")
-    if session.history is not None and any(session.history.get(way) for way in ("done", "undone")):
+    steps = session.history or {}
+    if later is None and (session.strokes or steps.get("done") or steps.get("undone")):
         raise InputError("what was done to it after it was painted whole is not recorded")
     dips = settings.get("dips")
     if isinstance(dips, list) and len(dips) > 1:
@@ -189,16 +193,17 @@ def _of_recordings(session: Session) -> Score:
     brush = saved_brush(settings["brush"])
     header = make_header(surface, brush, saved_mixture(dipped, surface), inks)
     header["azimuth"] = settings.get("azimuth", "commanded")
-    header["pickup"] = float(surface.ink.transfer["pickup"].item())
-    if inks.table:
-        header["pigments"] = inks.table
+    header["pickup"] = settings.get("pickup", float(surface.ink.transfer["pickup"].item()))
+    own = {**inks.table, **(later.header.get("pigments", {}) if later is not None else {})}
+    if own:
+        header["pigments"] = own
     amount = DipAmount.of(settings.get("amount", {}))
     events: list[Event] = []
     if amount != DipAmount():
         events.append({"do": "dip", "amount": amount.words()})
     for recording in session.recordings:
         events += [{"do": "begin_stroke"}, recording, {"do": "end_stroke"}]
-    return Score({**_HEAD, **header}, tuple(events))
+    return Score({**_HEAD, **header}, (*events, *(later.events if later is not None else ())))
 
 
 def _as_played(score: Score, surface: PaintedSurface) -> Score:
@@ -223,7 +228,7 @@ def _as_played(score: Score, surface: PaintedSurface) -> Score:
     if said.get("pickup"):
         header["pickup"] = said["pickup"]
     units = {"position": "mm", "time": "ns", "force": "N"}
-    events = tuple(_events(score.events, ink))
+    events = tuple(_events(score.events, header))
     return Score({**_HEAD, **header, "space": "world", "units": units}, events)
 
 
@@ -243,7 +248,10 @@ def _mixed(parts: Mapping[str, float]) -> str:
     return ",".join(f"{name}:{part!r}" for name, part in parts.items())
 
 
-def _events(events: Sequence[Event], ink: Mapping[str, float]) -> Iterator[Event]:
+def _events(events: Sequence[Event], header: Mapping[str, Any]) -> Iterator[Event]:
+    ink: Mapping[str, float] = header["ink"]
+    hand = {"set_azimuth": {"azimuth": header["azimuth"]},
+            "set_pickup": {"pickup": header.get("pickup", 0.0)}}  # fmt: skip
     steps = _Steps()
     for event in events:
         if isinstance(event, Recording):
@@ -263,7 +271,9 @@ def _events(events: Sequence[Event], ink: Mapping[str, float]) -> Iterator[Event
             name = "rename_layer"
         if name == "set_symmetry" and set(line) == {"do"}:
             continue  # none
-        if name == "dip" and "amount" in line:
+        if name in hand and line == {"do": name, **hand[name]}:
+            continue  # as it is
+        if name == "dip" and DipAmount.of(line.pop("amount", {})) != DipAmount():
             raise InputError(
                 "its dips take up another amount of ink than a page's, which fill the brush",
                 hint="paint3d write --dip always",
@@ -283,9 +293,8 @@ def _events(events: Sequence[Event], ink: Mapping[str, float]) -> Iterator[Event
         if name == "lay_text" and line["text"].get("font"):
             raise InputError("a text on it is in a font, which a page does not have")
         if name in ("dip", "press_seal"):
-            given = _parts(line.get("ink", ink))
-            line["ink"] = given
-            ink = given if name == "dip" else ink
+            line["ink"] = _parts(line.get("ink", ink if name == "dip" else PASTE))
+            ink = line["ink"] if name == "dip" else ink
         steps.follow(name)
         yield line
 

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paint3d.app.model.document import Document
 from paint3d.app.model.score.playing import painted
 from paint3d.cli.main import main
 from paint3d.errors import InputError
@@ -130,6 +131,36 @@ def test_what_the_command_line_painted_whole_is_carried(written: Session) -> Non
     assert hashes_of(again) == hashes_of(written.surface)
     named = replace(written, settings={**written.settings, "brush": score.header["brush"]})
     assert page_score(named).header == score.header
+
+
+def test_what_the_command_line_added_to_it_is_carried(written: Session, tmp_path: Path) -> None:
+    begun, sealed = tmp_path / "begun.p3d", tmp_path / "sealed.p3d"
+    save_session(written, begun)
+    words = [
+        "--size",
+        "30",
+        "--at",
+        "0.7,0.3",
+        "--dip",
+        "always",
+        "--seal",
+        "一",
+        "--layer",
+        "over",
+    ]
+    assert main(["write", "丨", "--on", str(begun), "--out", str(sealed), *words, "--quiet"]) == 0
+    document = Document.open(sealed)
+    with pytest.raises(InputError, match="only the strokes of this painting are known"):
+        document.edit_strokes([0], {"do": "delete"})
+    document.set_opacity(1, 0.5)
+    document.save()
+    session = load_session(sealed)
+    score = page_score(session)
+    done = [event["do"] for event in score.events if not isinstance(event, Recording)]
+    assert done.count("begin_stroke") == 2
+    assert done[-2:] == ["press_seal", "set_opacity"]
+    with pytest.raises(InputError, match="painted whole is not recorded"):
+        page_score(replace(session, later=None))
 
 
 @pytest.mark.parametrize(
