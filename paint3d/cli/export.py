@@ -88,7 +88,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--view-only",
         action="store_true",
         help=".html: a page that turns the object, and nothing else (default: one that also shows "
-        "how it was painted, and lets one paint on it)",
+        "how it was painted, and lets one paint on it, where that can be)",
     )
     add_light_options(parser)
     add_force_option(parser)
@@ -168,15 +168,17 @@ def _write_page(
 
     if not isinstance(painting, Session):
         return "it is no session (.p3d), which knows how it was painted"
-    if wishes != ExportOptions(tolerance=wishes.tolerance, exact=wishes.exact):
-        return "it was to be written with other colours, a unit or an axis"
+    if wishes != ExportOptions():
+        return "it was to be written with other colours, vertices, a unit or an axis"
     try:
         folder.check_built(folder.BUILT, folder.KERNELS)
-    except ExportError:
-        return "the page to paint on is not built here (docs/page.md)"
+    except ExportError as cause:
+        what = str(cause).partition(":")[0]  # without names of folders, for whoever gets the page
+        return f"{what} ({cause.hint})"
     try:
         score = page_score(painting, part_of(progress, 0.0, 0.5))
-        write_single_file(painting, score, file, part_of(progress, 0.5, 1.0), page=folder.BUILT)
     except InputError as cause:
         return str(cause)
+    rest = part_of(progress, 0.5, 1.0)
+    write_single_file(painting, score, file, rest, page=folder.BUILT, kernels=folder.KERNELS)
     return None

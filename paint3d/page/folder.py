@@ -6,7 +6,7 @@ import json
 import math
 import re
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -42,7 +42,16 @@ from paint3d.page.tables import (
 )
 from paint3d.surface.granulation import COARSE_UM
 
-__all__ = ["BRUSHES", "INKS", "MATERIALS", "OBJECTS", "PageObject", "build_page", "check_built"]
+__all__ = [
+    "BRUSHES",
+    "INKS",
+    "MATERIALS",
+    "OBJECTS",
+    "PageObject",
+    "build_page",
+    "check_built",
+    "check_grains",
+]
 
 KERNELS = Path(__file__).with_name("machine_code")
 """Where ``python -m tools.kernels --for wasm32`` puts the kernels."""
@@ -212,8 +221,8 @@ def _read_index(kernels: Path) -> dict[str, Any]:
     changed = [path for path, digest in index["sources"] if not is_unchanged(path, digest)]
     if changed:
         raise ExportError(
-            "the kernels of the page in {kernels} are those of other sources: {path} is not what "
-            "they were compiled from; expected them to be compiled again",
+            "the kernels of the page are those of other sources: {path} is not what they "
+            "were compiled from, in {kernels}; expected them to be compiled again",
             kernels=kernels,
             path=changed[0],
             hint="python -m tools.kernels --for wasm32",
@@ -264,6 +273,18 @@ def _pigments_of(
     """The pigments of some inks and water, and the parts of each ink."""
     stirred = {name: load_ink(name) for name in inks}
     pigments = list(dict.fromkeys(p for parts in stirred.values() for p in parts))
+    check_grains(pigments)
+    return list(dict.fromkeys([*pigments, load_pigment(WATER.name)])), stirred
+
+
+def check_grains(pigments: Iterable[Pigment]) -> None:
+    """Refuse pigments whose grains are seen.
+
+    Raises
+    ------
+    InputError
+        Which one.
+    """
     coarse = [p.name for p in pigments if p.grain_um >= COARSE_UM]
     if coarse:
         raise InputError(
@@ -271,7 +292,6 @@ def _pigments_of(
             "pigment",
             pigment=coarse[0],
         )
-    return list(dict.fromkeys([*pigments, load_pigment(WATER.name)])), stirred
 
 
 def _chinese_of(parts: Mapping[Pigment, float]) -> str:

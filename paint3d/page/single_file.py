@@ -20,20 +20,29 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.app.model.persistence.brush_words import brush_from_words
-from paint3d.app.model.persistence.saved_settings import DEFAULT_BRUSH, PURE_INKS
+from paint3d.app.model.persistence.saved_settings import (
+    DEFAULT_BRUSH,
+    PURE_INKS,
+    saved_brush,
+    saved_mixture,
+)
 from paint3d.app.model.score.codecs import InkTable, make_header
-from paint3d.app.model.score.playing import painted
+from paint3d.app.model.score.playing import begun, play
+from paint3d.app.model.seal_press import PASTE
 from paint3d.brush.presets import brush_names, load_brush
+from paint3d.brush.spec import DipAmount
 from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import load_pigment
+from paint3d.colour.spectra import N_BANDS
 from paint3d.core.atomic import write_atomically
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import ERASER
-from paint3d.errors import InputError
+from paint3d.errors import ExportError, InputError
 from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.session import Session
-from paint3d.page.folder import BUILT, INKS, KERNELS, PageObject, build_page, check_built
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.page.folder import BUILT, INKS, KERNELS, PageObject, build_page, check_grains
+from paint3d.painter.ink_time import PIECE_S
 from paint3d.recording.score import Event, Score, write_score
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -41,8 +50,8 @@ __all__ = ["page_score", "write_single_file"]
 
 MOST_TRIANGLES = 500_000
 """Of an object that a page has memory for, as of one that somebody brings to it."""
-MOST_UNDONE = 30
-"""Steps that a page takes back."""
+MOST_STEPS, MOST_BYTES = 30, 1 << 28
+"""Steps that a page keeps to take back, and their bytes; the last one is kept in any case."""
 _SCORE = "painting.score.jsonl"
 _HEAD = {"format": "paint3d-recording", "version": 2}
 _PLAYED = {
@@ -55,6 +64,11 @@ _PLAYED = {
     "set_opacity": {"place", "opacity"}, "set_blend": {"place", "blend"},
 }  # fmt: skip
 """What a page plays (`Document.repeat`, web/src/page/document.ts), and the words that it heeds."""
+_NO_STEPS = {"end_stroke", "set_brush", "dip", "follow_time", "select_layer", "set_visible",
+             "rename_layer"}  # fmt: skip
+"""Of these, what undo does not take back."""
+_N_SPECTRA = 4
+"""Of dried paint: as it lies, and over three grounds."""
 _UNHEARD = {"time_s"}
 """Words that change nothing of what is painted."""
 
@@ -87,26 +101,109 @@ def page_score(session: Session, progress: Progress | None = None) -> Score:
         raise InputError("its object is painted as it is, without a resolution")
     score = session.score if session.score is not None else _of_recordings(session)
     played = _as_played(score, surface)
-    again = painted(played, surface.source, progress=progress).surface
+    again = _painted(played, surface.source, progress)
     if again.n_vertices != surface.n_vertices or not np.array_equal(again.srgb, surface.srgb):
         raise InputError("what was recorded of it gives another painting")
     return played
 
 
+def _painted(score: Score, mesh: TriangleMesh, progress: Progress | None) -> PaintedSurface:
+    """What a page's score paints, where the page has memory for what it takes back."""
+    document, steps = begun(score, mesh), _Steps()
+    size = _bytes_of(document.surface)
+    for step in play(document, score):
+        if step.command:
+            steps.follow(step.command, size)
+        size = _bytes_of(document.surface)
+        if progress is not None:
+            progress(step.fraction)
+    if document.in_stroke:
+        document.end_stroke()
+    return document.surface
+
+
+class _Steps:
+    """The steps that a page could take back, by their bytes (web/src/page/document.ts)."""
+
+    def __init__(self) -> None:
+        self._done: list[int] = []
+        self._undone: list[int] = []
+
+    def follow(self, command: str, size: int = 0) -> None:
+        """Follow a command before which the painting is of this size, bytes.
+
+        Raises
+        ------
+        InputError
+            If it takes back, or does again, what a page does not keep.
+        """
+        if command in ("undo", "redo"):
+            ways = [self._done, self._undone]
+            here, there = ways if command == "undo" else reversed(ways)
+            if not here:
+                raise InputError(
+                    "it takes back more than the {most} steps, {mib} MiB together, that a page "
+                    "keeps",
+                    most=MOST_STEPS,
+                    mib=MOST_BYTES >> 20,
+                )
+            there.append(here.pop())
+        elif command not in _NO_STEPS:
+            self._undone = []
+            self._done.append(size)
+            while len(self._done) > 1 and (
+                len(self._done) > MOST_STEPS or sum(self._done) > MOST_BYTES
+            ):
+                del self._done[0]
+
+
+def _bytes_of(surface: PaintedSurface) -> int:
+    """Bytes that a page keeps of a painting for a step, at most (`PaintedSurface.keep` there)."""
+    n_pigments, dried = len(surface.pigments), surface.dry_layers.count
+    size = 4 * surface.n_vertices * (n_pigments + 1)
+    size += dried * (4 * n_pigments + 8 + _N_SPECTRA * 2 * N_BANDS)
+    if len(surface.open_blocks()):
+        graph = surface.flow_graph
+        size += graph.n_nodes * (24 * n_pigments + 16) + graph.n_places * 4 * n_pigments
+        size += 8 * graph.n_blocks + 4 * surface.n_vertices
+    return size
+
+
 def _of_recordings(session: Session) -> Score:
-    """A score of a painting that was painted whole: each recording is a stroke."""
-    settings: Mapping[str, Any] = session.settings
-    if not session.recordings or session.strokes or "brush" not in settings:
+    """A score of a painting that was painted whole, each recording a stroke, and gone on with.
+
+    Raises
+    ------
+    InputError
+        If the session does not say what it was painted with, or what was done to it since.
+    """
+    surface, later = session.surface, session.later
+    settings = session.settings if later is None else later.header
+    if not session.recordings or not {"brush", "ink"} <= set(settings):
         raise InputError("it is not recorded how it was painted")
-    inks = InkTable({})
-    brush = brush_from_words(settings["brush"])
-    dipped: Any = settings.get("dipped") or settings.get("ink")
-    header = make_header(session.surface, brush, dipped, inks)
+    steps = session.history or {}
+    if later is None and (session.strokes or steps.get("done") or steps.get("undone")):
+        raise InputError("what was done to it after it was painted whole is not recorded")
+    dips = settings.get("dips")
+    if isinstance(dips, list) and len(dips) > 1:
+        raise InputError("its brush had another ink at the tip, which a page does not dip it in")
+    inks = InkTable({}, own_tables=False)
+    ink: object = settings["ink"]
+    dipped = settings.get("dipped", {ink: 1.0} if isinstance(ink, str) else ink)
+    brush = saved_brush(settings["brush"])
+    header = make_header(surface, brush, saved_mixture(dipped, surface), inks)
+    header["azimuth"] = settings.get("azimuth", "commanded")
+    header["pickup"] = settings.get("pickup", float(surface.ink.transfer["pickup"].item()))
+    own = {**inks.table, **(later.header.get("pigments", {}) if later is not None else {})}
+    if own:
+        header["pigments"] = own
+    amount = DipAmount.of(settings.get("amount", {}))
     events: list[Event] = []
+    if amount != DipAmount():
+        events.append({"do": "dip", "amount": amount.words()})
     for recording in session.recordings:
         events += [{"do": "begin_stroke"}, recording, {"do": "end_stroke"}]
-    azimuth = str(settings.get("azimuth", "commanded"))
-    return Score({**_HEAD, **header, "azimuth": azimuth}, tuple(events))
+    return Score({**_HEAD, **header}, (*events, *(later.events if later is not None else ())))
 
 
 def _as_played(score: Score, surface: PaintedSurface) -> Score:
@@ -131,7 +228,7 @@ def _as_played(score: Score, surface: PaintedSurface) -> Score:
     if said.get("pickup"):
         header["pickup"] = said["pickup"]
     units = {"position": "mm", "time": "ns", "force": "N"}
-    events = tuple(_events(score.events, ink))
+    events = tuple(_events(score.events, header))
     return Score({**_HEAD, **header, "space": "world", "units": units}, events)
 
 
@@ -141,8 +238,9 @@ def _is_named(value: object, names: Sequence[str]) -> bool:
 
 def _parts(ink: str | Mapping[str, float]) -> dict[str, float]:
     """The parts of an ink by the names of its pigments."""
-    text = ink if isinstance(ink, str) else _mixed(ink)
-    return {pigment.name: part for pigment, part in load_ink(text, own_tables=False).items()}
+    stirred = load_ink(ink if isinstance(ink, str) else _mixed(ink), own_tables=False)
+    check_grains(stirred)
+    return {pigment.name: part for pigment, part in stirred.items()}
 
 
 def _mixed(parts: Mapping[str, float]) -> str:
@@ -150,8 +248,11 @@ def _mixed(parts: Mapping[str, float]) -> str:
     return ",".join(f"{name}:{part!r}" for name, part in parts.items())
 
 
-def _events(events: Sequence[Event], ink: Mapping[str, float]) -> Iterator[Event]:
-    undone = 0
+def _events(events: Sequence[Event], header: Mapping[str, Any]) -> Iterator[Event]:
+    ink: Mapping[str, float] = header["ink"]
+    hand = {"set_azimuth": {"azimuth": header["azimuth"]},
+            "set_pickup": {"pickup": header.get("pickup", 0.0)}}  # fmt: skip
+    steps = _Steps()
     for event in events:
         if isinstance(event, Recording):
             if {"loads", "strengths"} & set(event.header) or (event.buttons & ERASER).any():
@@ -164,31 +265,37 @@ def _events(events: Sequence[Event], ink: Mapping[str, float]) -> Iterator[Event
         line = {key: value for key, value in event.items() if key not in _UNHEARD}
         if name == "add_layer" and isinstance(line.get("place"), int) and "name" in line:
             place, called = line.pop("place"), line.pop("name")
+            steps.follow(name)
             yield line
             line = {"do": "rename_layer", "place": place, "name": called}
             name = "rename_layer"
         if name == "set_symmetry" and set(line) == {"do"}:
             continue  # none
+        if name in hand and line == {"do": name, **hand[name]}:
+            continue  # as it is
+        if name == "dip" and DipAmount.of(line.pop("amount", {})) != DipAmount():
+            raise InputError(
+                "its dips take up another amount of ink than a page's, which fill the brush",
+                hint="paint3d write --dip always",
+            )
         others = sorted(set(line) - {"do"} - _PLAYED.get(name, set()))
         if name not in _PLAYED or others:
             what = name if name not in _PLAYED else f"{name} with {others[0]}"
             raise InputError("its recording has {what}, which a page does not play", what=what)
+        if name == "follow_time" and line["seconds"] != PIECE_S:
+            raise InputError(
+                "its ink flows in steps of {seconds:g} s; in a page these are {expected:g} s",
+                seconds=line["seconds"],
+                expected=PIECE_S,
+            )
         if name == "set_brush" and not _is_named(line["brush"], brush_names()):
             raise InputError("one of its brushes is none of the presets")
         if name == "lay_text" and line["text"].get("font"):
             raise InputError("a text on it is in a font, which a page does not have")
         if name in ("dip", "press_seal"):
-            given = _parts(line.get("ink", ink))
-            line["ink"] = given
-            ink = given if name == "dip" else ink
-        undone += (name == "undo") - (name == "redo")
-        if name not in ("undo", "redo"):
-            undone = 0
-        if undone > MOST_UNDONE:
-            raise InputError(
-                "it takes back more than {most} steps in a row, which a page does not keep",
-                most=MOST_UNDONE,
-            )
+            line["ink"] = _parts(line.get("ink", ink if name == "dip" else PASTE))
+            ink = line["ink"] if name == "dip" else ink
+        steps.follow(name)
         yield line
 
 
@@ -223,10 +330,7 @@ def write_single_file(
     ------
     ExportError
         If the page or its kernels are not built, or the file cannot be written.
-    InputError
-        If its inks are such that a page cannot have them.
     """
-    check_built(page, kernels)
     surface = session.surface
     brushes = [str(score.header["brush"])]
     inks = [score.header["ink"]]
@@ -275,11 +379,21 @@ def _named_inks(used: Sequence[Mapping[str, float]]) -> list[str]:
 
 
 def _joined(built: Path, title: str) -> str:
-    """A built page with all that it loads in one text."""
+    """A built page with all that it loads in one text.
+
+    Raises
+    ------
+    ExportError
+        If it is no such page as web/ makes.
+    """
     page = (built / "index.html").read_text("utf-8")
-    (script,), (style,) = ([*(built / "assets").glob(f"index-*.{kind}")] for kind in ("js", "css"))
+    scripts, styles = ([*(built / "assets").glob(f"index-*.{kind}")] for kind in ("js", "css"))
+    if len(scripts) != 1 or len(styles) != 1:
+        raise _not_one_file("index-*.js, index-*.css")
+    script, style = scripts[0], styles[0]
     code = re.sub(r"</(?=script)", r"<\\/", script.read_text("utf-8"), flags=re.IGNORECASE)
-    assert "<!--" not in code, "a script within HTML has no such comment"
+    if "<!--" in code:  # which HTML would take for the beginning of a comment
+        raise _not_one_file("<!--")
     look = style.read_text("utf-8")
     blocks = []
     for file in sorted(built.rglob("*")):
@@ -310,8 +424,17 @@ def _joined(built: Path, title: str) -> str:
         (r"(?=</body>)", lambda _: f'{"".join(blocks)}<script type="module">{code}</script>\n'),
     ):
         page, n = re.subn(pattern, by, page, count=1)
-        assert n == 1, f"the page has {pattern}"
+        if n != 1:
+            raise _not_one_file(pattern)
     return page
+
+
+def _not_one_file(what: str) -> ExportError:
+    return ExportError(
+        "the built page cannot be made one file, by {what}; expected it as web/ builds it",
+        what=what,
+        hint="npm run build, in web/",
+    )
 
 
 def _digest(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -9,12 +10,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paint3d.app.model.document import Document
 from paint3d.app.model.score.playing import painted
 from paint3d.cli.main import main
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import Session, load_session, save_session
-from paint3d.page import folder
+from paint3d.page import folder, single_file
 from paint3d.page.folder import KERNELS
 from paint3d.page.single_file import page_score
 from paint3d.painter.painter import Painter
@@ -29,6 +31,7 @@ HEAD = {
     "material": "xuan", "brush": "zhongkai", "ink": {"pine soot": 0.4, "water": 0.6},
     "azimuth": "dragged", "pickup": 0.05,
 }  # fmt: skip
+FADED = [{"do": "set_opacity", "place": 0, "opacity": 0.9}]
 SOOT, RED = {"pine soot": 0.4, "water": 0.6}, {"cinnabar": 1.0}
 
 
@@ -84,15 +87,108 @@ def test_a_page_is_given_words_that_it_plays_and_they_give_the_same_painting(
         ([{"do": "set_brush", "brush": "xiaokai", "length_mm": 40.0}, *drawn(0.0)], {},
          "its recording has set_brush with length_mm"),
         (drawn(0.0), {"hairs": 40}, "its brush is none of the presets"),
-        ([*drawn(0.0) * 32, *[{"do": "undo"}] * 31], {},
-         "it takes back more than 30 steps in a row"),
+        ([{"do": "follow_time", "seconds": 0.1}, *drawn(0.0)], {},
+         "its ink flows in steps of 0.1 s; in a page these are 0.05 s"),
+        ([*FADED * 31, *[{"do": "undo"}] * 20, {"do": "dip"}, *[{"do": "undo"}] * 11], {},
+         "it takes back more than the 30 steps, 256 MiB together, that a page keeps"),
+        ([{"do": "dip", "ink": {"azurite": 1.0}}, *drawn(0.0)], {},
+         "the grains of azurite are seen"),
     ],
 )  # fmt: skip
 def test_what_a_page_does_not_play_is_said(
-    events: list[Any], changes: dict[str, Any], said: str
+    events: list[Any], changes: dict[str, Any], said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    session = session_of(*events, **changes)
+    monkeypatch.delattr(single_file, "_painted")  # it is said before anything is painted
     with pytest.raises(InputError, match=said):
-        page_score(session_of(*events, **changes))
+        page_score(session)
+
+
+def test_what_takes_more_memory_to_take_back_than_a_page_has_is_not_carried(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    session = session_of(*drawn(0.0), *FADED * 3, *[{"do": "undo"}] * 3)
+    n, n_pigments = session.surface.n_vertices, len(session.surface.pigments)
+    monkeypatch.setattr(single_file, "MOST_BYTES", 3 * 4 * n * (n_pigments + 1))
+    page_score(session)
+    monkeypatch.setattr(single_file, "MOST_BYTES", 3 * 4 * n * (n_pigments + 1) - 1)
+    with pytest.raises(InputError, match="it takes back more than the 30 steps"):
+        page_score(session)
+
+
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Session:
+    """A session of the command line, which has no score."""
+    file = tmp_path_factory.mktemp("written") / "a.p3d"
+    words = ["--on", "square", "--resolution", "3", "--size", "100", "--dip", "always", "--quiet"]
+    assert main(["write", "一", *words, "--out", str(file)]) == 0
+    return load_session(file)
+
+
+def test_what_the_command_line_painted_whole_is_carried(written: Session) -> None:
+    score = page_score(written)
+    again = painted(score, load_mesh("square")).surface
+    assert hashes_of(again) == hashes_of(written.surface)
+    named = replace(written, settings={**written.settings, "brush": score.header["brush"]})
+    assert page_score(named).header == score.header
+
+
+def test_what_the_command_line_added_to_it_is_carried(written: Session, tmp_path: Path) -> None:
+    begun, sealed = tmp_path / "begun.p3d", tmp_path / "sealed.p3d"
+    save_session(written, begun)
+    words = [
+        "--size",
+        "30",
+        "--at",
+        "0.7,0.3",
+        "--dip",
+        "always",
+        "--seal",
+        "一",
+        "--layer",
+        "over",
+    ]
+    assert main(["write", "丨", "--on", str(begun), "--out", str(sealed), *words, "--quiet"]) == 0
+    document = Document.open(sealed)
+    with pytest.raises(InputError, match="only the strokes of this painting are known"):
+        document.edit_strokes([0], {"do": "delete"})
+    document.set_opacity(1, 0.5)
+    document.save()
+    session = load_session(sealed)
+    score = page_score(session)
+    done = [event["do"] for event in score.events if not isinstance(event, Recording)]
+    assert done.count("begin_stroke") == 2
+    assert done[-2:] == ["press_seal", "set_opacity"]
+    with pytest.raises(InputError, match="painted whole is not recorded"):
+        page_score(replace(session, later=None))
+
+
+@pytest.mark.parametrize(
+    ("settings", "said"),
+    [
+        ({"brush": None}, "it is not recorded how it was painted"),
+        ({"brush": {"name": 17}}, "brush"),
+        ({"dipped": {"TABLE:mine": 1.0}}, "an ink is of a table on this machine"),
+        ({"dipped": None, "ink": "TABLE:mine"}, "an ink is of a table on this machine"),
+        ({"dipped": None, "ink": 17}, "an ink is 17; expected weights by name"),
+        ({"amount": {"wetted": 0.4}}, "its dips take up another amount of ink"),
+        ({"dips": [[SOOT, None], [RED, 0.3]]}, "another ink at the tip"),
+    ],
+)
+def test_a_session_without_a_score_may_be_a_strangers(
+    written: Session, settings: dict[str, Any], said: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    table = tmp_path / "private.csv"
+    table.write_text("name,R_400\nmine,secret\n", "utf-8")
+    own = {**written.settings, **settings}
+    own = json.loads(json.dumps(own).replace("TABLE", str(table)))
+    given = {name: value for name, value in own.items() if value is not None}
+    monkeypatch.delattr(single_file, "_painted")
+    with pytest.raises(InputError, match=said) as refusal:
+        page_score(replace(written, settings=given))
+    assert "R_400" not in str(refusal.value)
+    assert "secret" not in str(refusal.value)
 
 
 def test_a_painting_of_unknown_or_other_strokes_is_not_carried(painting: Session) -> None:
@@ -112,8 +208,9 @@ def test_a_page_that_only_shows_it_says_why(
     save_session(painting, session)
     for name, options, said in (
         (str(session), ["--view-only"], None),
-        (str(session), [], "the page to paint on is not built here"),
+        (str(session), [], "the kernels of the page are not compiled (python -m tools.kernels"),
         ("plate", [], "it is no session"),
+        (str(session), ["--exact"], "it was to be written with other colours, vertices"),
         (str(session), ["--filaments", "2"], "it was to be written with other colours"),
     ):
         assert main(["export", name, str(tmp_path / "a.html"), "--force", *options]) == 0

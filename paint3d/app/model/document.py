@@ -9,6 +9,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import partial
 from itertools import count
 from pathlib import Path
@@ -175,10 +176,8 @@ class Document:
         self.recorder: ScoreRecorder | None
         if saved is None:
             self.recorder = ScoreRecorder.begin(surface, painter)
-        elif saved.score is None:
-            self.recorder = None
         else:
-            self.recorder = ScoreRecorder.resumed(saved.score, len(saved.strokes))
+            self.recorder = ScoreRecorder.going_on(saved)
         self.refused_history = self._restore_history(saved)
         self._saved_at = self._undo.next_undo
         surface.keeps_up = self.properties.pop("behind", False) is not True
@@ -191,7 +190,10 @@ class Document:
 
         `score.playing.score_of_strokes` then makes one of the strokes alone.
         """
-        return None if self.recorder is None else self.recorder.score(self.surface.source.name)
+        recorder = self.recorder
+        if recorder is None or not recorder.is_whole:
+            return None
+        return recorder.score(self.surface.source.name)
 
     def _restore_history(self, saved: Session | None) -> Message | None:
         """Restore the saved undo history; return why that failed, or None."""
@@ -341,8 +343,12 @@ class Document:
         settings["brushes"] = {name: brush_words(brush) for brush, name in names.items()}
         strokes = tuple(stroke.recording(names[stroke.brush]) for stroke in self.strokes)
         undone = tuple(stroke.recording(names[stroke.brush]) for stroke in gone)
-        score = None if self.in_stroke else self.score  # what of it is painted, nobody could say
-        return Session(self.surface, self._recordings, settings, strokes, undone, history, score)
+        session = Session(self.surface, self._recordings, settings, strokes, undone, history)
+        recorder = self.recorder
+        if recorder is None or self.in_stroke:  # what of it is painted, nobody could say
+            return session
+        score = recorder.score(self.surface.source.name)
+        return replace(session, score=score) if recorder.is_whole else replace(session, later=score)
 
     def set_file(self, path: Path | None, state: FileState | None = None) -> None:
         """Make a file the session's own.
@@ -1591,7 +1597,7 @@ class Document:
         """The score, during no stroke, with all done again that was undone to look back."""
         self.check_access()
         self.break_off()
-        if self.recorder is None:
+        if self.recorder is None or not self.recorder.is_whole:
             raise InputError(
                 "only the strokes of this painting are known, not the commands between them, so "
                 "they cannot be edited; save the strokes as a whole painting and replay it"

@@ -75,6 +75,9 @@ class Session:
         checked.
     score : Score or None
         All that happened from the bare object on, where that is known.
+    later : Score or None
+        What was done after the recordings were painted, where that is known instead; its header
+        has the settings of then that say what they were painted with, and the brush's `pickup`.
     """
 
     surface: PaintedSurface
@@ -84,6 +87,7 @@ class Session:
     undone: Sequence[Recording] = ()
     history: Mapping[str, object] | None = None
     score: Score | None = None
+    later: Score | None = None
 
 
 def is_session_path(path: str | os.PathLike[str]) -> bool:
@@ -135,12 +139,13 @@ def _parts(session: Session) -> Parts:
         more["history"], own = split_state(session.history, "history/")
         more["undone"] = [_own_words(recording.header) for recording in session.undone]
         arrays |= own | _packed(session.undone, "undone/")
-    if session.score is not None:
-        events = session.score.events
-        samples = [event for event in events if isinstance(event, Recording)]
-        lines = [None if isinstance(event, Recording) else dict(event) for event in events]
-        more["score"] = {"header": dict(session.score.header), "events": lines}
-        arrays |= _packed(samples, "score/")
+    for name, score in (("score", session.score), ("later", session.later)):
+        if score is None:
+            continue
+        samples = [event for event in score.events if isinstance(event, Recording)]
+        lines = [None if isinstance(event, Recording) else dict(event) for event in score.events]
+        more[name] = {"header": dict(score.header), "events": lines}
+        arrays |= _packed(samples, f"{name}/")
     text = {
         "format": FORMAT,
         "version": VERSION,
@@ -267,14 +272,19 @@ def _session(parts: Parts, progress: Progress | None = None) -> Session:
     if isinstance(text.get("history"), Mapping):
         undone = _strokes(text["undone"], arrays, "undone/")
         history = join_state(text["history"], arrays, "history/")
-    score = _score(text["score"], arrays) if isinstance(text.get("score"), Mapping) else None
+    score, later = (
+        _score(text[name], arrays, f"{name}/") if isinstance(text.get(name), Mapping) else None
+        for name in ("score", "later")
+    )
     surface = restore_surface(mesh, state, part_of(progress, 0.35, 0.9))
-    return Session(surface, tuple(recordings), dict(settings), strokes, undone, history, score)
+    return Session(
+        surface, tuple(recordings), dict(settings), strokes, undone, history, score, later
+    )
 
 
-def _score(words: Mapping[str, Any], arrays: dict[str, AnyArray]) -> Score:
+def _score(words: Mapping[str, Any], arrays: dict[str, AnyArray], prefix: str) -> Score:
     """All that happened: lines in order, and what samples come where there is none."""
     lines = list(words["events"])
-    samples = iter(_strokes([{}] * lines.count(None), arrays, "score/"))
+    samples = iter(_strokes([{}] * lines.count(None), arrays, prefix))
     events = [next(samples) if line is None else dict(line) for line in lines]
     return Score(dict(words["header"]), tuple(events))

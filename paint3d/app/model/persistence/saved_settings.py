@@ -30,7 +30,9 @@ __all__ = [
     "chosen_inks",
     "chosen_material",
     "in_hand",
+    "saved_brush",
     "saved_inks",
+    "saved_mixture",
     "saved_painter",
     "saved_unit",
 ]
@@ -53,7 +55,7 @@ def saved_painter(surface: PaintedSurface, settings: Mapping[str, Any]) -> Paint
     ink = settings.get("ink")
     ink = ink if isinstance(ink, str) else PURE_INKS[0]
     azimuth = settings.get("azimuth", "commanded")
-    brush = _brush(settings.get("brush"))
+    brush = saved_brush(settings.get("brush"))
     pigment = None if surface.pigments else load_pigment(ink, own_tables=False)
     amount = DipAmount.of(settings.get("amount", {}))
     painter = Painter(surface, brush, pigment, azimuth, amount=amount)
@@ -166,7 +168,14 @@ def _as_chosen(ink: Mixture | str | Pigment) -> dict[str, float] | str:
     return next(iter(parts)) if len(parts) == 1 else parts
 
 
-def _brush(saved: object) -> BrushSpec:
+def saved_brush(saved: object) -> BrushSpec:
+    """The brush that settings name or describe; the default where they do neither.
+
+    Raises
+    ------
+    UnknownNameError, BrushError
+        If there is no such preset, or it describes no brush.
+    """
     if isinstance(saved, Mapping):
         return brush_from_words(saved)
     return load_brush(saved if isinstance(saved, str) else DEFAULT_BRUSH, own_files=False)

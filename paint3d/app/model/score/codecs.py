@@ -65,10 +65,14 @@ class InkTable:
         named comes into it.
     apart : bool
         Whether a second ink of the same name is told from the first by a number.
+    own_tables : bool
+        Whether an ink may be that of a table on this machine; not where a file names it.
     """
 
-    def __init__(self, table: dict[str, Any], *, apart: bool = False) -> None:
-        self.table, self._apart = table, apart
+    def __init__(
+        self, table: dict[str, Any], *, apart: bool = False, own_tables: bool = True
+    ) -> None:
+        self.table, self._apart, self._own_tables = table, apart, own_tables
         self._own: dict[str, Pigment] = {}
 
     @classmethod
@@ -84,7 +88,7 @@ class InkTable:
         RecordingError
             If there are two inks of one name, and they are not told apart.
         Paint3DError
-            If an ink is not known.
+            If an ink is not known, or of a table that may not be read.
         """
         if not isinstance(ink, Mapping):
             return self._name(ink)
@@ -97,7 +101,7 @@ class InkTable:
     def _name(self, ink: str | Pigment) -> str:
         if isinstance(ink, str) and table_of(ink) is None:
             return ink
-        pigment = load_pigment(ink) if isinstance(ink, str) else ink
+        pigment = load_pigment(ink, own_tables=self._own_tables) if isinstance(ink, str) else ink
         names = (pigment.name if k == 1 else f"{pigment.name} ({k})" for k in count(1))
         for name in names if self._apart else (pigment.name,):
             known = self._known(name)

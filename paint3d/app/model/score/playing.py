@@ -151,7 +151,7 @@ def score_of_strokes(strokes: Sequence[Stroke], surface: PaintedSurface) -> Scor
     """
     if not strokes:
         return None
-    inks, first = InkTable({}), strokes[0]
+    inks, first = InkTable({}, own_tables=False), strokes[0]
     events: list[Recording | dict[str, Any]] = [
         {"do": "rename_layer", "place": 0, "name": first.layer}
     ]

@@ -13,7 +13,8 @@ from paint3d.app.model.score.codecs import InkTable, Vocabulary, make_header
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.spec import DipAmount
 from paint3d.device.sample import DeviceSample
-from paint3d.errors import Paint3DError
+from paint3d.errors import Paint3DError, RecordingError
+from paint3d.files.project.session import Session
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score, check_command
@@ -42,6 +43,8 @@ _P = ParamSpec("_P")
 _Result = TypeVar("_Result")
 _Document = TypeVar("_Document", bound=_Recorded)
 
+_OF_WHOLE = ("brush", "ink", "dipped", "dips", "amount", "azimuth")
+"""Settings of a painting that was painted whole which say with what, where it is gone on with."""
 _PREVIEW_COMMANDS = frozenset(  # that begin or end a preview
     {"undo", "redo", "replay_history", "begin_stroke", "dry", "press_seal", "lay_text",
      "remove_text"}
@@ -72,11 +75,18 @@ class ScoreRecorder:
         Of the score: what painting began with.
     events : sequence of Recording or mapping
         What has happened already.
+    is_whole : bool
+        Whether that is all since the bare object; else since a painting that was painted whole.
     """
 
     def __init__(
-        self, header: Mapping[str, Any], events: Sequence[Recording | Mapping[str, Any]] = ()
+        self,
+        header: Mapping[str, Any],
+        events: Sequence[Recording | Mapping[str, Any]] = (),
+        *,
+        is_whole: bool = True,
     ) -> None:
+        self.is_whole = is_whole
         self._header = dict(header)
         self._inks = InkTable(dict(self._header.pop("pigments", {})))
         self._events: list[_Event] = [
@@ -100,9 +110,25 @@ class ScoreRecorder:
         return cls(header | own | ({"pickup": pickup} if pickup else {}), events)
 
     @classmethod
-    def resumed(cls, score: Score, n_strokes: int) -> ScoreRecorder:
-        """For a painting of so many strokes that was saved: what no session holds begins anew."""
-        recorder = cls(score.header, score.events)
+    def going_on(cls, saved: Session) -> ScoreRecorder | None:
+        """For a painting that was saved; None where it is not known what had been done to it."""
+        is_whole, n_strokes = saved.score is not None, len(saved.strokes)
+        known = saved.score if is_whole else saved.later
+        if known is not None:
+            return cls._resumed(known, n_strokes, is_whole=is_whole)
+        if not saved.recordings or saved.strokes or saved.history is not None:
+            return None
+        header = {name: saved.settings[name] for name in _OF_WHOLE if name in saved.settings}
+        header["pickup"] = float(saved.surface.ink.transfer["pickup"].item())
+        try:
+            return cls(Score(header, ()).header, is_whole=False)
+        except RecordingError:
+            return None
+
+    @classmethod
+    def _resumed(cls, score: Score, n_strokes: int, *, is_whole: bool) -> ScoreRecorder:
+        """For a painting of so many strokes: what no session holds begins anew."""
+        recorder = cls(score.header, score.events, is_whole=is_whole)
         lines = [event for event in score.events if not isinstance(event, Recording)]
         names = {line["do"] for line in lines}
         recorder._events += [{"do": name} for name in ("set_symmetry", "set_mask") if name in names]
