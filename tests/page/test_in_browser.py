@@ -649,6 +649,15 @@ def test_what_is_opened_last_is_opened(browser: Browser) -> None:
     choose(browser, "object", BOWL)
     browser.wait_for(f"window.ended === 1 && {OPEN}")
     browser.evaluate("window.Worker = window.Own; 0")
+    browser.evaluate(
+        "window.post = Worker.prototype.postMessage; window.begun = 0;"
+        "Worker.prototype.postMessage = function (asked)"
+        " { window.begun += 'open' in asked; post.call(this, asked); };"
+        "for (const _ of [1, 2]) document.getElementById('fresh').click()"
+    )
+    browser.wait_for(f"window.begun > 0 && {OPEN}")
+    assert browser.evaluate("window.begun") == 1  # the first ends before it has begun
+    browser.evaluate("Worker.prototype.postMessage = window.post; 0")
     browser.stroke(wave(380.0, 360.0, 200.0))
     assert '"object":"bowl"' in browser.evaluate("paint3d.score()")
 

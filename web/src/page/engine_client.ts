@@ -45,10 +45,10 @@ export class EngineClient {
   static async open(
     fetch: Fetch, words: OpeningWords, progress: (share: number) => void, listener: Listener, signal: AbortSignal,
   ): Promise<[EngineClient, Piece]> {
-    if (signal.aborted) throw new Cancelled();
     const client = new EngineClient(await startWorker(script), fetch, progress, listener);
     try {
       const piece = await new Promise<Piece>((done, failed) => {
+        if (signal.aborted) throw new Cancelled();
         client.#opening = { done, failed };
         signal.addEventListener("abort", () => failed(new Cancelled()));
         client.#post({ open: words });
