@@ -730,8 +730,33 @@ def test_what_cannot_be_had_now_is_had_later(browser: Browser, address: str) -> 
     begin_with(browser, SHEET)
     open_again(browser, address)  # where no brush but the first is there yet
     hint = "document.getElementById('hint').textContent"
+    browser.evaluate(  # a silent host, and a clock whose longest times end when it is said
+        "window.had = fetch; window.late = []; window.shown = 0;"
+        "window.fetch = (_, { signal }) => new Promise((_, failed) =>"
+        " signal.addEventListener('abort', () => failed(signal.reason)));"
+        "window.wait = setTimeout; window.setTimeout = (work, ms, ...words) =>"
+        " ms < 15000 ? wait(work, ms, ...words) : late.push(work);"
+        "window.post = Worker.prototype.postMessage;"
+        "Worker.prototype.postMessage = function (asked)"
+        " { window.shown += asked.name === 'pictureShown'; post.call(this, asked); }; 0"
+    )
+    silent = "late.splice(0).forEach(end => end())"
+    open_copybook(browser)
+    browser.wait_for("late.length === 2")
+    browser.stroke(wave(350.0, 420.0))
+    settled(browser)
+    browser.evaluate(silent)
+    browser.wait_for(f"/(copybook|seals).bin.gz cannot be had .*TimeoutError/.test({hint})")
+    choose(browser, "brush", 1)
+    browser.wait_for("late.length === 1")
+    browser.evaluate("window.shown = 0; 0")
+    browser.wait_for("window.shown > 3")  # wet ink spreads meanwhile
+    browser.evaluate(silent)
+    browser.wait_for(f"/xiaokai.bin.gz cannot be had .*nothing came for 20 s/.test({hint})")
     browser.evaluate(
-        "window.had = fetch; window.fetch = async () => new Response('', { status: 503 }); 0"
+        "window.setTimeout = window.wait; Worker.prototype.postMessage = window.post;"
+        "window.fetch = async () => new Response('', { status: 503 });"
+        "document.getElementById('show-copybook').click()"  # closed
     )
     choose(browser, "brush", 1)
     browser.wait_for(f"/brushes.xiaokai.bin.gz cannot be had from this host .503/.test({hint})")

@@ -61,7 +61,7 @@ export class EngineClient {
     }
   }
 
-  /** Have something done, after all that was asked before; what came of it. */
+  /** Have something done, after what was asked before where that matters; what came of it. */
   call<N extends keyof EngineCalls>(
     name: N, ...words: Parameters<EngineCalls[N]>
   ): Promise<Awaited<ReturnType<EngineCalls[N]>>> {

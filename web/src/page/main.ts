@@ -51,6 +51,7 @@ const SLIP_MS = 90; // or how long it is alone
 const STEP_PX = 40; // that a key turns, or moves
 const KEY_ZOOM = 1.2;
 const PLAYED_IN_S = 30.0; // at most
+const SILENT_MS = 20_000; // that a host may be while it is asked for a file
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** How a piece is opened. */
@@ -154,15 +155,7 @@ class Page {
   readonly #fetch: Fetch = (name) => {
     let file = this.#files.get(name);
     if (file === undefined) {
-      file = carried(name) ?? fetch(name).then(
-        (answer) => {
-          if (!answer.ok) throw new Missing("noFile", { name, status: answer.status });
-          return answer.arrayBuffer();
-        },
-        (cause: unknown) => {
-          throw new Missing("noFile", { name, status: String(cause) });
-        },
-      );
+      file = carried(name) ?? fetched(name);
       file.catch(() => this.#files.delete(name)); // it may be had later
       this.#files.set(name, file);
     }
@@ -639,9 +632,8 @@ class Page {
   async #openCopybook(): Promise<void> {
     const file = this.#contents?.copybook?.file;
     if (file === undefined) return;
-    const guided = this.#ask("openCopybook", file);
-    this.#copybook ??= await this.#hadOf(Copybook.read(this.#fetch, file));
-    await guided;
+    const copybook = this.#copybook ?? this.#hadOf(Copybook.read(this.#fetch, file));
+    [this.#copybook] = await Promise.all([copybook, this.#ask("openCopybook", file)]); // what writes has it, too
     this.#showTexts();
   }
 
@@ -1297,6 +1289,27 @@ class Page {
       (2.0 * (event.clientX - box.left)) / box.width - 1.0,
       1.0 - (2.0 * (event.clientY - box.top)) / box.height,
     ];
+  }
+}
+
+/** The bytes of a file of this host, which may be slow, but not silent. */
+async function fetched(name: string): Promise<ArrayBuffer> {
+  const silence = new AbortController();
+  const end = (): void => silence.abort(new DOMException(`nothing came for ${SILENT_MS / 1000} s`, "TimeoutError"));
+  let timer = setTimeout(end, SILENT_MS);
+  const transform = (part: Uint8Array, out: TransformStreamDefaultController): void => {
+    clearTimeout(timer);
+    timer = setTimeout(end, SILENT_MS);
+    out.enqueue(part);
+  };
+  try {
+    const answer = await fetch(name, { signal: silence.signal });
+    if (!answer.ok) throw new Missing("noFile", { name, status: answer.status });
+    return await new Response(answer.body?.pipeThrough(new TransformStream({ transform }))).arrayBuffer();
+  } catch (cause) {
+    throw cause instanceof Missing ? cause : new Missing("noFile", { name, status: String(cause) });
+  } finally {
+    clearTimeout(timer);
   }
 }
 
