@@ -565,6 +565,12 @@ def test_what_cannot_be_opened_says_why(browser: Browser) -> None:
         "window.Worker = class { constructor() { throw Error('no workers') } }; 0"
     )
     assert "cup.obj cannot be opened: no workers." in said_of(name, text)
+    browser.evaluate("document.getElementById('replay').click()")
+    browser.wait_for(
+        "document.getElementById('hint').textContent === 'square cannot be opened: no workers.'"
+    )
+    assert browser.evaluate(MESSAGE) == ""
+    assert not browser.evaluate("document.getElementById('tools').inert")
     browser.evaluate("window.Worker = window.Own; 0")
     browser.evaluate(
         "window.read = Blob.prototype.arrayBuffer;"
@@ -724,6 +730,79 @@ def test_a_piece_is_there_again_when_the_page_is_opened_again(
         assert score.count("begin_stroke") == score.count("end_stroke") == 4
         browser.wait_for("paint3d.isKept")
     assert unended == by_the_desktop(browser, tmp_path)
+
+
+def steps_of(score: str) -> list[dict[str, Any]]:
+    """The lines of a score, one for each time step of wet ink."""
+    rows = [json.loads(line) for line in score.splitlines()]
+    return [row for row in rows for _ in range(row.pop("times", 1))]
+
+
+def test_a_replayed_piece_is_kept_as_it_is_seen(browser: Browser, address: str) -> None:
+    begin_with(browser, SHEET)
+    let_spread(browser, on=True)
+    browser.stroke(wave(350.0, 330.0))
+    browser.wait_for("(await paint3d.score()).includes('follow_time')")
+    browser.evaluate(
+        "window.post = Worker.prototype.postMessage; window.late = null;"
+        "Worker.prototype.postMessage = function (asked) {"
+        " if (asked.name !== 'score' || late) return post.call(this, asked);"
+        " window.late = () => post.call(this, asked); };"
+        "window.before = document.getElementById('object');"
+        "document.getElementById('replay').click()"
+    )
+    browser.stroke(wave(350.0, 380.0))  # while it is asked what is played: none
+    browser.evaluate("late(); Worker.prototype.postMessage = window.post; 0")
+    browser.wait_for(
+        "document.getElementById('object') !== window.before"
+        f" && !document.getElementById('tools').inert && {OPEN}"
+    )
+    browser.stroke(wave(350.0, 430.0))
+    let_spread(browser, on=False)
+    settled(browser)
+    seen = browser.evaluate("paint3d.score()")
+    assert seen.count("begin_stroke") == 2
+    browser.wait_for("paint3d.isKept")
+    open_again(browser, address)
+    again = steps_of(browser.evaluate("paint3d.score()"))
+    assert again[: len(steps_of(seen))] == steps_of(seen)  # it may go on to spread
+
+
+def test_a_painting_that_cannot_be_played_to_its_end_is_not_kept(
+    browser: Browser, address: str
+) -> None:
+    begin_with(browser, BOWL)
+    browser.stroke(wave(380.0, 360.0, 200.0))
+    settled(browser)
+    seen = browser.evaluate("paint3d.score()")
+    browser.wait_for("paint3d.isKept")
+    back = json.dumps(seen + 2 * '{"do": "undo"}\n')
+    with pytest.raises(AssertionError) as refused:
+        browser.evaluate(
+            "fetch('contents.json').then(r => r.json()).then(c => paint3d.open(c,"
+            f" c.objects[{BOWL}], {{ score: {back}, playedIn: 0 }}))"
+        )
+    assert "it goes back farther than a page keeps" in str(refused.value)
+    browser.stroke(wave(380.0, 420.0, 100.0))
+    settled(browser)
+    browser.wait_for("paint3d.isKept")
+    open_again(browser, address)
+    assert browser.evaluate("paint3d.score()") == seen
+    browser.evaluate(
+        "window.post = Worker.prototype.postMessage; Worker.prototype.postMessage ="
+        " function (asked) { if (asked.name === 'play') asked.words[0] += '{\"do\": \"fly\"}\\n';"
+        " post.call(this, asked); }; document.getElementById('replay').click()"
+    )
+    browser.wait_for(f"{MESSAGE}.includes('Painting has ended: line')")
+    assert "a page does not know fly" in browser.evaluate(MESSAGE)
+    browser.heard.clear()  # what was meant to be complained of
+    for act in ("replay", "undo"):
+        browser.evaluate(f"document.getElementById('{act}').click()")
+    settled(browser)
+    assert "a page does not know fly" in browser.evaluate(MESSAGE)
+    browser.wait_for("paint3d.isKept")
+    open_again(browser, address)
+    assert browser.evaluate("paint3d.score()") == seen
 
 
 def test_what_cannot_be_had_now_is_had_later(browser: Browser, address: str) -> None:

@@ -226,11 +226,16 @@ class Page {
     return this.#opening.signal;
   }
 
-  /** Open something in place of the piece in hand, which stays where that is not wanted or cannot be. */
+  /** Open something in place of the piece in hand, if that may be lost. */
   async #replace(name: string, work: (contents: Contents, signal: AbortSignal) => Promise<void>): Promise<void> {
+    if (this.#isPainted && !confirm(say("leave"))) return this.showBar();
+    await this.#tryToOpen(name, work);
+  }
+
+  /** Open something in place of the piece in hand, which stays where that is not wanted or cannot be. */
+  async #tryToOpen(name: string, work: (contents: Contents, signal: AbortSignal) => Promise<void>): Promise<void> {
     const [contents, before] = [this.#contents, this.#inHand()];
     if (contents === null) return;
-    if (this.#isPainted && !confirm(say("leave"))) return this.showBar();
     const signal = this.#another();
     try {
       await work(contents, signal);
@@ -373,14 +378,10 @@ class Page {
       throw cause;
     }
     const told = heard[0];
-    const keep = (text: string): void => {
-      if (!isKept) {
-        this.#keeper?.begin(own?.file ?? null);
-        this.#keeper?.append(text);
-      } else if (playedIn === undefined) this.#keeper?.append(told.score); // the end of a stroke without one
-    };
+    const keep = (text: string): void => this.#keeper?.begin(own?.file ?? null, text);
     const camera = playedIn !== undefined && this.#opened?.piece.mesh === piece.mesh ? this.#camera : null;
-    if (playedIn === undefined) keep(whole); // else when all of it is painted
+    if (isKept) this.#keeper?.append(told.score); // the end of a stroke without one
+    else if (playedIn === undefined) keep(whole); // else when all of it is painted
     this.#opened?.engine.close();
     if (own !== null) this.#own = own;
     this.#asked = null;
@@ -404,17 +405,20 @@ class Page {
     if (camera === null) this.#showAll();
     else this.#camera = camera; // the same object, as it was seen
     this.draw();
-    if (playedIn !== undefined) await this.#play(score, playedIn, keep);
+    if (playedIn === undefined) return;
+    await this.#play(score, playedIn);
+    keep(score);
   }
 
   /** Let a painting grow on the bare object that is open, before anybody else paints on it. */
-  async #play(score: string, playedIn: number, keep: (text: string) => void): Promise<void> {
+  async #play(score: string, playedIn: number): Promise<void> {
     const opened = this.#inHand();
     this.#setPlays(true);
-    await this.#ask("play", score, playedIn);
-    if (this.#opened !== opened) return; // something else is open by now
-    this.#setPlays(false);
-    keep(score);
+    try {
+      await opened.engine.call("play", score, playedIn);
+    } finally {
+      if (this.#opened === opened) this.#setPlays(false); // else something else is open by now
+    }
   }
 
   #setPlays(on: boolean): void {
@@ -426,16 +430,16 @@ class Page {
   /** Show how the piece in hand was painted, from the bare object on. */
   async #replay(): Promise<void> {
     if (this.#plays) return void this.#ask("hurry");
-    const contents = this.#contents;
-    if (contents === null || this.#writes || this.#pointer !== null) return;
+    if (this.#writes || this.#pointer !== null || !this.#message.hidden) return; // or another piece is being opened
+    const opened = this.#inHand();
+    this.#setWrites(true); // what was done now would not be played
     const score = await this.#ask("score");
-    if (score === undefined) return;
     const file = this.#isOnOwn ? this.#own?.file : undefined;
-    try {
-      await this.#goOn(contents, score, this.#another(), { file, playedIn: PLAYED_IN_S, isKept: true });
-    } catch (cause) {
-      if (!(cause instanceof Cancelled)) this.fail(cause);
-    }
+    if (score !== undefined && this.#opened === opened)
+      await this.#tryToOpen(named(opened.about), (contents, signal) =>
+        this.#goOn(contents, score, signal, { file, playedIn: PLAYED_IN_S }),
+      );
+    if (this.#opened === opened) this.#setWrites(false);
   }
 
   /** See an object from where it is painted best. */
