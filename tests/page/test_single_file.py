@@ -251,8 +251,9 @@ def test_it_is_opened_as_a_file_grows_and_is_painted_on_as_on_the_desktop(
         browser.wait_for(idle)
         assert browser.evaluate("paint3d.hashes()") == {name: ours[name] for name in names}
         assert browser.evaluate("document.title") == "a piece"
-        browser.evaluate(replay)
-        browser.wait_for(f"{ready} && document.getElementById('tools').inert")
+        browser.evaluate("window.before = document.getElementById('replay'); before.click()")
+        grows = "document.getElementById('replay') !== before"
+        browser.wait_for(f"{ready} && {grows} && document.getElementById('tools').inert")
         growing = browser.evaluate("paint3d.score()")
         browser.stroke([(400.0 + k, 300.0, 0.5) for k in range(9)])  # which waits, and is none
         browser.evaluate(replay)  # to its end

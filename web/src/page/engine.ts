@@ -84,7 +84,7 @@ export class Engine {
   #timer: ReturnType<typeof setTimeout> | null = null;
   #passedMs = 0.0; // of that time
   #keptMs = 0.0;
-  #pacing: Pacing | null = null; // of a score that is being played
+  #pacing: Pacing | null = null; // of a score that is being played, or could not be to its end
   #mayPush = true; // no picture is on its way to the page
   #isDue = false; // something is to be told
 
@@ -373,7 +373,7 @@ export class Engine {
 
   /**
    * Play a score on the bare object, as it was painted, within so many seconds; 0: as fast as can be. None
-   * of its lines is told to be kept.
+   * of its lines is told to be kept, and where it fails, nothing that comes later: half of it is no piece.
    */
   async play(score: string, mostS: number): Promise<void> {
     const pacing = new Pacing(score, 1000.0 * mostS);
@@ -383,11 +383,8 @@ export class Engine {
       if (due !== null) this.#changed();
       return due;
     };
-    try {
-      await this.painting.repeat(this.studio, score, () => {}, pause);
-    } finally {
-      this.#pacing = null;
-    }
+    await this.painting.repeat(this.studio, score, () => {}, pause);
+    this.#pacing = null;
     this.#act(() => {});
   }
 

@@ -45,10 +45,10 @@ export class EngineClient {
   static async open(
     fetch: Fetch, words: OpeningWords, progress: (share: number) => void, listener: Listener, signal: AbortSignal,
   ): Promise<[EngineClient, Piece]> {
-    if (signal.aborted) throw new Cancelled();
     const client = new EngineClient(await startWorker(script), fetch, progress, listener);
     try {
       const piece = await new Promise<Piece>((done, failed) => {
+        if (signal.aborted) throw new Cancelled();
         client.#opening = { done, failed };
         signal.addEventListener("abort", () => failed(new Cancelled()));
         client.#post({ open: words });
@@ -61,7 +61,7 @@ export class EngineClient {
     }
   }
 
-  /** Have something done, after all that was asked before; what came of it. */
+  /** Have something done, after what was asked before where that matters; what came of it. */
   call<N extends keyof EngineCalls>(
     name: N, ...words: Parameters<EngineCalls[N]>
   ): Promise<Awaited<ReturnType<EngineCalls[N]>>> {

@@ -1,4 +1,4 @@
-/** The thread that paints: asks the page for files, does what it is asked in that order, and tells what came of it. */
+/** The thread that paints: asks the page for files, does what it is asked, and tells what came of it. */
 
 import { Bundle } from "../core/bundle";
 import type { Prepared } from "../mesh/prepared";
@@ -45,6 +45,8 @@ class NoFileError extends Error {
 }
 
 const PROGRESS_EVERY_MS = 100;
+const AT_ONCE = new Set<keyof EngineCalls>(["pictureShown", "openCopybook"]); // in no order
+const MEANWHILE = new Set<keyof EngineCalls>([...AT_ONCE, "write", "play"]); // nothing waits for these
 const files = new Map<string, ((bytes: ArrayBuffer | null) => void)[]>(); // what awaits each
 let engine: Engine | null = null;
 let before: Promise<unknown> = Promise.resolve(); // what was asked before is done
@@ -96,8 +98,8 @@ onmessage = ({ data }: MessageEvent<Request>): void => {
   if (engine === null) return; // what was asked of a piece that could not be opened
   const { number, name, words } = data;
   const call = (engine[name] as (...words: readonly unknown[]) => unknown).bind(engine, ...words);
-  const done = before.then(call);
-  if (name !== "write" && name !== "play") before = done.catch(() => {}); // else others are served meanwhile
+  const done = (AT_ONCE.has(name) ? Promise.resolve() : before).then(call);
+  if (!MEANWHILE.has(name)) before = done.catch(() => {});
   done.then(
     (result) => post({ number, result }),
     (cause: unknown) => post({ number, failed: failureOf(cause) }),

@@ -55,7 +55,7 @@ export class Keeper {
   }
 
   /** Keep another piece from now on, and the file that it is painted on; nothing at all where that is refused. */
-  begin(file: OwnFile | null): void {
+  begin(file: OwnFile | null, text: string): void {
     const clear = (store: IDBObjectStore, objects: IDBObjectStore): void => {
       store.clear();
       objects.clear();
@@ -65,6 +65,7 @@ export class Keeper {
         await this.#write((store, objects) => {
           clear(store, objects);
           if (file !== null) objects.add(file);
+          store.add(text);
         });
         this.isSound = true;
       } catch (cause) {

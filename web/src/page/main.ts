@@ -51,6 +51,7 @@ const SLIP_MS = 90; // or how long it is alone
 const STEP_PX = 40; // that a key turns, or moves
 const KEY_ZOOM = 1.2;
 const PLAYED_IN_S = 30.0; // at most
+const SILENT_MS = 20_000; // that a host may be while it is asked for a file
 const PALM_MS = 700; // after a pen's last word a touch is a palm
 
 /** How a piece is opened. */
@@ -154,15 +155,7 @@ class Page {
   readonly #fetch: Fetch = (name) => {
     let file = this.#files.get(name);
     if (file === undefined) {
-      file = carried(name) ?? fetch(name).then(
-        (answer) => {
-          if (!answer.ok) throw new Missing("noFile", { name, status: answer.status });
-          return answer.arrayBuffer();
-        },
-        (cause: unknown) => {
-          throw new Missing("noFile", { name, status: String(cause) });
-        },
-      );
+      file = carried(name) ?? fetched(name);
       file.catch(() => this.#files.delete(name)); // it may be had later
       this.#files.set(name, file);
     }
@@ -233,11 +226,16 @@ class Page {
     return this.#opening.signal;
   }
 
-  /** Open something in place of the piece in hand, which stays where that is not wanted or cannot be. */
+  /** Open something in place of the piece in hand, if that may be lost. */
   async #replace(name: string, work: (contents: Contents, signal: AbortSignal) => Promise<void>): Promise<void> {
+    if (this.#isPainted && !confirm(say("leave"))) return this.showBar();
+    await this.#tryToOpen(name, work);
+  }
+
+  /** Open something in place of the piece in hand, which stays where that is not wanted or cannot be. */
+  async #tryToOpen(name: string, work: (contents: Contents, signal: AbortSignal) => Promise<void>): Promise<void> {
     const [contents, before] = [this.#contents, this.#inHand()];
     if (contents === null) return;
-    if (this.#isPainted && !confirm(say("leave"))) return this.showBar();
     const signal = this.#another();
     try {
       await work(contents, signal);
@@ -380,14 +378,10 @@ class Page {
       throw cause;
     }
     const told = heard[0];
-    const keep = (text: string): void => {
-      if (!isKept) {
-        this.#keeper?.begin(own?.file ?? null);
-        this.#keeper?.append(text);
-      } else if (playedIn === undefined) this.#keeper?.append(told.score); // the end of a stroke without one
-    };
+    const keep = (text: string): void => this.#keeper?.begin(own?.file ?? null, text);
     const camera = playedIn !== undefined && this.#opened?.piece.mesh === piece.mesh ? this.#camera : null;
-    if (playedIn === undefined) keep(whole); // else when all of it is painted
+    if (isKept) this.#keeper?.append(told.score); // the end of a stroke without one
+    else if (playedIn === undefined) keep(whole); // else when all of it is painted
     this.#opened?.engine.close();
     if (own !== null) this.#own = own;
     this.#asked = null;
@@ -411,17 +405,20 @@ class Page {
     if (camera === null) this.#showAll();
     else this.#camera = camera; // the same object, as it was seen
     this.draw();
-    if (playedIn !== undefined) await this.#play(score, playedIn, keep);
+    if (playedIn === undefined) return;
+    await this.#play(score, playedIn);
+    keep(score);
   }
 
   /** Let a painting grow on the bare object that is open, before anybody else paints on it. */
-  async #play(score: string, playedIn: number, keep: (text: string) => void): Promise<void> {
+  async #play(score: string, playedIn: number): Promise<void> {
     const opened = this.#inHand();
     this.#setPlays(true);
-    await this.#ask("play", score, playedIn);
-    if (this.#opened !== opened) return; // something else is open by now
-    this.#setPlays(false);
-    keep(score);
+    try {
+      await opened.engine.call("play", score, playedIn);
+    } finally {
+      if (this.#opened === opened) this.#setPlays(false); // else something else is open by now
+    }
   }
 
   #setPlays(on: boolean): void {
@@ -433,16 +430,16 @@ class Page {
   /** Show how the piece in hand was painted, from the bare object on. */
   async #replay(): Promise<void> {
     if (this.#plays) return void this.#ask("hurry");
-    const contents = this.#contents;
-    if (contents === null || this.#writes || this.#pointer !== null) return;
+    if (this.#writes || this.#pointer !== null || !this.#message.hidden) return; // or another piece is being opened
+    const opened = this.#inHand();
+    this.#setWrites(true); // what was done now would not be played
     const score = await this.#ask("score");
-    if (score === undefined) return;
     const file = this.#isOnOwn ? this.#own?.file : undefined;
-    try {
-      await this.#goOn(contents, score, this.#another(), { file, playedIn: PLAYED_IN_S, isKept: true });
-    } catch (cause) {
-      if (!(cause instanceof Cancelled)) this.fail(cause);
-    }
+    if (score !== undefined && this.#opened === opened)
+      await this.#tryToOpen(named(opened.about), (contents, signal) =>
+        this.#goOn(contents, score, signal, { file, playedIn: PLAYED_IN_S }),
+      );
+    if (this.#opened === opened) this.#setWrites(false);
   }
 
   /** See an object from where it is painted best. */
@@ -639,9 +636,8 @@ class Page {
   async #openCopybook(): Promise<void> {
     const file = this.#contents?.copybook?.file;
     if (file === undefined) return;
-    const guided = this.#ask("openCopybook", file);
-    this.#copybook ??= await this.#hadOf(Copybook.read(this.#fetch, file));
-    await guided;
+    const copybook = this.#copybook ?? this.#hadOf(Copybook.read(this.#fetch, file));
+    [this.#copybook] = await Promise.all([copybook, this.#ask("openCopybook", file)]); // what writes has it, too
     this.#showTexts();
   }
 
@@ -1297,6 +1293,27 @@ class Page {
       (2.0 * (event.clientX - box.left)) / box.width - 1.0,
       1.0 - (2.0 * (event.clientY - box.top)) / box.height,
     ];
+  }
+}
+
+/** The bytes of a file of this host, which may be slow, but not silent. */
+async function fetched(name: string): Promise<ArrayBuffer> {
+  const silence = new AbortController();
+  const end = (): void => silence.abort(new DOMException(`nothing came for ${SILENT_MS / 1000} s`, "TimeoutError"));
+  let timer = setTimeout(end, SILENT_MS);
+  const transform = (part: Uint8Array, out: TransformStreamDefaultController): void => {
+    clearTimeout(timer);
+    timer = setTimeout(end, SILENT_MS);
+    out.enqueue(part);
+  };
+  try {
+    const answer = await fetch(name, { signal: silence.signal });
+    if (!answer.ok) throw new Missing("noFile", { name, status: answer.status });
+    return await new Response(answer.body?.pipeThrough(new TransformStream({ transform }))).arrayBuffer();
+  } catch (cause) {
+    throw cause instanceof Missing ? cause : new Missing("noFile", { name, status: String(cause) });
+  } finally {
+    clearTimeout(timer);
   }
 }
 

@@ -35,10 +35,10 @@ export async function bringObject(
   fetch: Fetch, contents: Contents, file: OwnFile, progress: (share: number) => void, signal: AbortSignal,
 ): Promise<OwnObject> {
   const [wasm, index, common] = await Promise.all(["kernels.wasm", "kernels.json", "common.bin.gz"].map(fetch));
-  if (signal.aborted) throw new Cancelled();
   const worker = await startWorker(script);
   try {
     const { prepared, notes } = await new Promise<Extract<ObjectReply, { prepared: unknown }>>((done, failed) => {
+      if (signal.aborted) throw new Cancelled();
       signal.addEventListener("abort", () => failed(new Cancelled()));
       worker.onerror = (event) => failed(new Error(event.message || "the worker did not start"));
       worker.onmessage = ({ data }: MessageEvent<ObjectReply>) => {
