@@ -42,8 +42,8 @@ __all__ = [
 
 _MIDDLE = 1.5 * 2.0**52  # whole numbers near to it are apart by one
 _MOST_LINES = 1024  # a power of two
-_FINE_LINES, _FINE_PITCH = 16, 0.125  # lines across a small outline, box widths from one to the
-_PITCH = 0.5  # next, and across others
+_PITCH = 0.5  # box widths from one line to the next
+_FINE_LINES, _FINE_PITCH = 16, 0.125  # lines across a small outline, and their pitch
 _NARROWEST = 1.0 / 64.0  # box widths: an outline counts as at least so broad
 _ROWS = 2  # cuts from a line to the next
 _ROUND = 0.57  # with which a chord that grows like a root is as long on average
@@ -316,7 +316,7 @@ def _sum_cuts(points, flanks, n, apart, cuts, sums):
     at, enters, leaves = cuts[0], cuts[1], cuts[2]
     for k in range(n):
         at[k] = flanks[0] + k * apart
-    at[n] = flanks[2]
+    at[n] = max(at[n - 1], flanks[2])  # the outline may be narrower than it counts
     cut_outline(points, at, n + 1, 1.0 / apart, enters, leaves)
     for k in range(n + 1):
         if enters[k] > leaves[k]:
@@ -481,9 +481,19 @@ def _grid(grid):
 
 @uncounted(error_model="numpy")
 def hold_within(n, scale, flanks, grid, lines, xs, ys):
-    """Move vertices that a footprint has passed to where they lay on its edge last.
+    """Move vertices that a footprint has passed to where their boxes touched its edge last.
 
-    `flanks`, `grid` and `lines` are those of the stamp; the rest is as for `weigh`.
+    Parameters
+    ----------
+    n : int
+    scale : float
+        Box widths to the mm.
+    flanks : (4,) float64
+    grid : (3,) float64
+    lines : (MOST_LINES ROW,) uint32
+        Those of the stamp.
+    xs, ys : (n or more,) float32
+        Positions along and across the way, mm; changed.
     """
     first, per_mm, last = _grid(grid)
     half = np.float32(0.5 / scale)

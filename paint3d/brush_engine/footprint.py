@@ -5,7 +5,7 @@ direction of the bend in it, and the footprint's half width tabulated over its l
 "is this point under the brush" costs one table look-up. Guo 2017, Eqs. 4, 6-11 and Fig. 7.
 
 A sweep holds everything that the loops over vertices need: the plane, where the way leads in it,
-how its coordinates turn into those of the two stamps, and how many lines along it there are.
+and how its coordinates turn into those of the two stamps.
 """
 
 from __future__ import annotations
@@ -376,7 +376,7 @@ def _fill_ball(before, after, plane, scale, sweep):
 
     Surface that bends away unfolds into the plane, which carries it farther from the place. What is
     carried nearer looks another way than it should from there: the far side of a groove, a fillet
-    beyond a crease. `BALL` is counted from the plane's origin.
+    beyond a crease. Its middle, `ball`, is counted from the plane's origin.
     """
     for k in range(3):
         sweep.ball[k] = 0.0

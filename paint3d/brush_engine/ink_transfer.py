@@ -564,15 +564,9 @@ def _ink_released(before, after, tuft, ink):
     docs/model.md, equation (10), the continuous form of Guo 2017, Eqs. 12-13, which one step of
     unit length gives back; `ds` is the way that ink is given for (`ink_way`, mm).
     """
-    pressure = 0.0
-    n = 0
-    for values in (before.values[0], after.values[0]):
-        if values.touches > 0.0:
-            pressure += values.pressure
-        n += 1
-    way = ink_way(before, after)
+    drawn = tuft.transfer_per_mm * mean_pressure(before, after) * ink_way(before, after)
     total = held_ink(ink)
-    return total, -total * np.expm1(-drawn_rate(tuft.transfer_per_mm * pressure / n * way, ink))
+    return total, -total * np.expm1(-drawn_rate(drawn, ink))
 
 
 @uncounted(error_model="numpy")

@@ -446,8 +446,11 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
 
 @uncounted
 def _bent(a, b):
-    """How far one end of an outline turned about the other between two stamps' geometries, mm, and
-    how much longer or broader it grew."""
+    """Motion of an outline's ends by its turn and its growth between two stamps' geometries, mm.
+
+    The turn moves one end about the other by an arc of the longer outline; the growth is that of the
+    length or of the breadth, whichever is more.
+    """
     sine = cosine = 0.0
     for axis in range(3):
         sine += b.bend[axis] * a.cross[axis]

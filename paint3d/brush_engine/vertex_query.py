@@ -67,7 +67,7 @@ def _judge_discs(n, discs, sweep, bands, fates):
     for k in range(n):
         x, r = xs[k], radii[k]
         low, high = (ys[k] - r - first) * per_mm, (ys[k] + r - first) * per_mm
-        i = min(np.int32(max(low, zero)), last)
+        i = min(np.int32(min(max(low, zero), end)), last)
         j = min(np.int32(min(max(high, zero), end)), last)
         level = (np.float32(j - i + one).view(np.int32) >> np.int32(23)) - np.int32(127)
         a = np.uint32(level * np.int32(BANDS) + i) & np.uint32(511)
