@@ -448,8 +448,8 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
 def _bent(a, b):
     """Motion of an outline's ends by its turn and its growth between two stamps' geometries, mm.
 
-    The turn moves one end about the other by an arc of the longer outline; the growth is that of the
-    length or of the breadth, whichever is more.
+    The turn moves one end about the other by an arc of the longer outline; the growth is that of
+    the length or of the breadth, whichever is more.
     """
     sine = cosine = 0.0
     for axis in range(3):

@@ -36,6 +36,7 @@ from paint3d.mesh.kernels.refine import (
     activate_cell,
     longest_edges,
     repeat_splits,
+    spread_areas,
 )
 from paint3d.mesh.kernels.topology import link_cracks
 from paint3d.mesh.triangle_mesh import TriangleMesh
@@ -143,13 +144,12 @@ class PaintMesh:
         points, normals = base.points[order], base.normals[order]
         shift = 2 * max(0, int(np.ceil(np.log2(float(edges.max()) / self.resolution)))) + 6
         shift = shift if self.refines else 0
-        sixth = base.areas / 6.0
         # the sum over the whole surface fits in int64, so that of any vertex does
-        unit = 2.0 * float(sixth.sum()) / 2.0 ** (_AREA_BITS - shift)
-        node_area = np.maximum(np.rint(sixth / unit), 1.0).astype(np.int64) << shift
+        unit = float(base.areas.sum()) / 2.0 ** (_AREA_BITS - shift)
+        node_area = np.maximum(np.rint(base.areas / unit), 1.0).astype(np.int64) << shift
         area_units = np.zeros(n, np.int64)
-        for corner in range(3):
-            np.add.at(area_units, self.base_faces[:, corner], 2 * node_area)
+        axes = [np.ascontiguousarray(points[:, axis]) for axis in range(3)]
+        spread_areas(*axes, self.base_faces, node_area, area_units)
         areas: AnyArray = area_units * (unit / 2.0**shift)
         forest = roots if self.refines else 0
         lattice = self._lattice
@@ -160,7 +160,7 @@ class PaintMesh:
             soft_edge=float(_SOFT_EDGE_PER_EDGE * self.resolution),
             area_unit=float(unit / 2.0**shift),
             area_step=_step_of(areas),
-            **{f"p{a}": np.ascontiguousarray(points[:, i]) for i, a in enumerate("xyz")},
+            **{f"p{a}": axes[i] for i, a in enumerate("xyz")},
             **{f"n{a}": np.ascontiguousarray(normals[:, i]) for i, a in enumerate("xyz")},
             **{f"m{a}": np.ascontiguousarray(points[:, i]) for i, a in enumerate("xyz")},
             take=np.ones(n, np.float32),

@@ -366,7 +366,8 @@ class Flow:
         p.inside[nodes[~is_wet]] = 0.0
         solve_edges(wet, fields, p.totals, _EDGE_REACH, _EDGE_SWEEPS, p.inside)
         dried = np.empty(len(wet), np.int32)
-        drying = Drying(float(p.material.drying_mm_s), _EDGE_GAIN, _DRY)
+        rate = float(p.material.drying_mm_s)
+        drying = Drying(rate, _EDGE_GAIN, _DRY, capacity_of(p.material))
         count = evaporate(wet, fields, float(rest[0]), drying, p.inside, dried, step.still_wet)
         return dried[:count]
 

@@ -28,8 +28,6 @@ _HEAVIER = 3.08  # a grain's mean volume, by volume, over that of the mean: exp(
 _LEAST_MM = 0.25  # lattice of the noise on fine meshes
 _NOISE = 0.15  # standard deviation of `fill_grain`
 _MOST = 0.7  # of the logarithm of the thickness
-_ASKEW = np.array([[2.0, -1.0, 2.0], [2.0, 2.0, -1.0], [-1.0, 2.0, 2.0]]) / 3.0
-"""Turns the noise's lattice, so that it is along no side of a flat sheet."""
 
 
 def granulated(
@@ -55,7 +53,7 @@ def granulated(
     """
     lattice = max(2.0 * spacing, _LEAST_MM)
     height = np.empty(len(points))
-    fill_grain(np.einsum("ni,ij->nj", points, _ASKEW), lattice, height)
+    fill_grain(points, lattice, height)
     denser = (height - 0.5) / _NOISE
     seen = amounts.copy()
     for p in np.flatnonzero(grain_um >= COARSE_UM):

@@ -408,7 +408,7 @@ def test_pits_that_leave_pores_no_depth_take_few_stages() -> None:
 
 
 @pytest.mark.parametrize("material", ["xuan", "bisque"])
-def test_beside_what_is_full_nothing_is_bare_but_filled_in_part(material: str) -> None:
+def test_a_front_ends_in_cells_filled_in_part(material: str) -> None:
     """So the border of what has spread lies between vertices, and not along the mesh."""
     surface = PaintedSurface(grid(24.0, 0.4), None, material)
     drop(drop(surface, 0.3, 3.0), 2.6, 3.0, ink="water").diffuse(20.0)
@@ -420,7 +420,7 @@ def test_beside_what_is_full_nothing_is_bare_but_filled_in_part(material: str) -
     here, there = filled[graph.owner[links]], filled[graph.links[links]]
     beyond = there[(here >= 1.0) & (there < 1.0)]
     assert len(beyond) > 50
-    assert np.mean(beyond == 0.0) < 0.02  # .38 and .16 where a cell's pores fill all at once
+    assert np.mean(beyond == 0.0) < 0.08  # .38 and .16 where a cell's pores fill all at once
 
 
 def test_cells_of_two_sizes_beside_each_other_do_not_show_in_a_wash() -> None:

@@ -7,6 +7,7 @@ from collections import Counter
 import numpy as np
 import pytest
 
+import paint3d
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh import refined_mesh as paint_mesh
@@ -52,7 +53,7 @@ def test_many_like_triangles_around_a_vertex_do_not_overflow_its_area():
     mesh = fan(250)
     painted = PaintMesh.build(mesh, 1.0)
     centre = np.flatnonzero((painted.vertices == 0.0).all(axis=1))
-    assert painted.vertex_areas[centre] == pytest.approx(mesh.area / 3.0, rel=1e-9)
+    assert painted.vertex_areas[centre] == pytest.approx(mesh.area / 4.0, rel=1e-3)
     painted.refine_all()
     assert (painted.arrays.area_units[: painted.n_vertices] > 0).all()
     assert painted.vertex_areas.sum() == pytest.approx(mesh.area, rel=1e-9)
@@ -62,11 +63,27 @@ def test_areas_match_the_leaves():
     painted = PaintMesh.build(cylinder(), 0.9)
     painted.refine_all()
     corner = painted.vertices.astype(float)[painted.leaf_faces()]
-    cross = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    thirds = np.linalg.norm(cross, axis=1) / 6.0
+    area = np.linalg.norm(
+        np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1
+    )
+    area /= 2.0
+    side = np.linalg.norm(np.roll(corner, -1, axis=1) - np.roll(corner, 1, axis=1), axis=2)
+    cosine = (np.sum(side**2, axis=1, keepdims=True) - 2.0 * side**2) / 2.0  # times both sides
+    cotangent = cosine / (2.0 * area[:, None])
+    nearest = side**2 * cotangent  # twice four times what lies nearest to each end of a side
+    share = (np.roll(nearest, 1, axis=1) + np.roll(nearest, -1, axis=1)) / 8.0
+    is_obtuse = cotangent.min(axis=1) < 0.0
+    share[is_obtuse] = area[is_obtuse, None] * np.where(cotangent[is_obtuse] < 0.0, 0.5, 0.25)
     summed = np.zeros(painted.n_vertices)
-    np.add.at(summed, painted.leaf_faces().ravel(), np.repeat(thirds, 3))
+    np.add.at(summed, painted.leaf_faces().ravel(), share.ravel())
     np.testing.assert_allclose(painted.vertex_areas, summed, rtol=1e-4)
+
+
+def test_on_a_lattice_all_vertices_stand_for_the_same_area():
+    painted = PaintMesh.build(paint3d.load_mesh("plane"), 2.0)
+    painted.refine_all()
+    inside = (np.abs(painted.vertices[:, :2]) < 30.0).all(axis=1)
+    assert np.ptp(painted.vertex_areas[inside]) < 1e-6 * painted.vertex_areas[inside].mean()
 
 
 @pytest.mark.parametrize(("degrees", "vertices"), [(0, 4), (38, 4), (42, 6), (170, 6)])

@@ -112,7 +112,7 @@ class SurfaceField(NamedTuple):
     key: NDArray  # (cap,) uint64, the same for the same vertex whatever the order of refinement
     parents: NDArray  # (cap, 2) int32, ends of the edge a vertex halved; -1 for base vertices
     vertex_sheet: NDArray  # (cap,) int32
-    area_units: NDArray  # (cap,) int64, a third of the area around a vertex, in area units
+    area_units: NDArray  # (cap,) int64, what a vertex stands for, in area units
     area: NDArray  # (cap,) float32, the same in mm2
     next_in_cell: NDArray  # (cap,) int32, -1 ends
     node_vertices: NDArray  # (N, 3) int32
@@ -120,7 +120,7 @@ class SurfaceField(NamedTuple):
     child: NDArray  # (N,) int32, first of two children, -1 for a leaf
     longest: NDArray  # (N,) int8, which edge is longest
     radial: NDArray  # (3 N,) int32, next half-edge around the same edge
-    node_area: NDArray  # (N,) int64, a sixth of the node's area, in area units
+    node_area: NDArray  # (N,) int64, the node's area, in area units
     origin: NDArray  # (3,) float64, corner of the lattice, mm
     table: NDArray  # (2^k,) int32, hash table from lattice place to cell; -1 is empty
     cell_place: NDArray  # (C, 3) int32, lattice place

@@ -5,6 +5,11 @@ those of them that have a longer one. Ties are broken by a key that depends on p
 the triangles and vertices that a set of cells ends up with do not depend on the order in which
 the cells were asked for, and a vertex in a finished cell never changes again: colour is never
 interpolated. Areas are integers, halved exactly, for the same reason.
+
+A vertex stands for what of each triangle lies nearest to it, where that triangle's circumcentre is
+not outside (Meyer, Desbrun, Schroeder, Barr 2003, the mixed area). Halves of right triangles are
+right ones, and on a lattice of them all areas are the same, which thirds of triangles are not: of
+its vertices every second one is a corner of four, and every other of eight.
 """
 
 from __future__ import annotations
@@ -23,6 +28,7 @@ __all__ = [
     "edge_key",
     "longest_edges",
     "repeat_splits",
+    "spread_areas",
 ]
 
 NO_ROOM, BAD_LOG = -1, -2
@@ -40,11 +46,16 @@ def edge_key(a, b):
 
 
 @uncounted
-def _length2(field, a, b):
-    x = np.float64(field.px[a]) - np.float64(field.px[b])
-    y = np.float64(field.py[a]) - np.float64(field.py[b])
-    z = np.float64(field.pz[a]) - np.float64(field.pz[b])
+def _distance2(px, py, pz, a, b):
+    x = np.float64(px[a]) - np.float64(px[b])
+    y = np.float64(py[a]) - np.float64(py[b])
+    z = np.float64(pz[a]) - np.float64(pz[b])
     return x * x + y * y + z * z
+
+
+@uncounted
+def _length2(field, a, b):
+    return _distance2(field.px, field.py, field.pz, a, b)
 
 
 @uncounted
@@ -65,6 +76,38 @@ def _longest_edge(field, a, b, c):
             length = other
             key = other_key
     return best
+
+
+@uncounted(error_model="numpy")
+def _shares(px, py, pz, corners, t, area):
+    """What of the area of triangle t, a whole number, each of its corners stands for."""
+    a, b, c = corners[t, 0], corners[t, 1], corners[t, 2]
+    one = _distance2(px, py, pz, b, c)
+    two = _distance2(px, py, pz, c, a)
+    three = _distance2(px, py, pz, a, b)
+    at_a, at_b, at_c = two + three - one, three + one - two, one + two - three
+    square = one * at_a + two * at_b + three * at_c  # 16 times that of the area
+    whole = np.float64(area)
+    if at_a <= 0.0 or square <= 0.0:
+        at_two = at_three = area >> 2
+    elif at_b <= 0.0:
+        at_two, at_three = area >> 1, area >> 2
+    elif at_c <= 0.0:
+        at_two, at_three = area >> 2, area >> 1
+    else:
+        at_two = np.int64(whole * ((three * at_c + one * at_a) / (2.0 * square)))
+        at_three = np.int64(whole * ((one * at_a + two * at_b) / (2.0 * square)))
+    return area - at_two - at_three, at_two, at_three
+
+
+@uncounted
+def spread_areas(px, py, pz, triangles, areas, out):
+    """Add the areas (T,) int64 of triangles (T, 3) to what their corners stand for, (N,) int64."""
+    for t in range(triangles.shape[0]):
+        first, second, third = _shares(px, py, pz, triangles, t, areas[t])
+        out[triangles[t, 0]] += first
+        out[triangles[t, 1]] += second
+        out[triangles[t, 2]] += third
 
 
 @uncounted
@@ -174,6 +217,17 @@ def _split_edge(field, h0, ring, mids):
 
 
 @uncounted
+def _stand_for(field, t, sign):
+    """Let the corners of a triangle stand for its area, or no longer (`sign` -1)."""
+    corners = field.node_vertices
+    shares = _shares(field.px, field.py, field.pz, corners, t, field.node_area[t])
+    for k in range(3):
+        v = corners[t, k]
+        field.area_units[v] += sign * shares[k]
+        field.area[v] = field.area_units[v] * field.area_unit
+
+
+@uncounted
 def _split_node(field, h, m):
     """Halve a triangle at vertex m on its edge h % 3; return its children (a, m, c), (m, b, c)."""
     t = h // 3
@@ -185,8 +239,7 @@ def _split_node(field, h, m):
     right = left + 1
     field.counts[1] += 2
     field.child[t] = left
-    share = field.node_area[t]
-    half = share >> 1
+    half = field.node_area[t] >> 1
     for child in (left, right):
         field.child[child] = -1
         field.node_root[child] = field.node_root[t]
@@ -197,13 +250,9 @@ def _split_node(field, h, m):
     field.node_vertices[right, 0] = m
     field.node_vertices[right, 1] = b
     field.node_vertices[right, 2] = c
-    # a third of S at each corner becomes a third of S/2 at a and b, of S at m and c
-    field.area_units[a] -= share
-    field.area_units[b] -= share
-    field.area_units[m] += 2 * share
-    field.area[a] = field.area_units[a] * field.area_unit
-    field.area[b] = field.area_units[b] * field.area_unit
-    field.area[m] = field.area_units[m] * field.area_unit
+    _stand_for(field, t, -1)
+    _stand_for(field, left, 1)
+    _stand_for(field, right, 1)
     radial = field.radial
     radial[3 * left + 1] = 3 * right + 2
     radial[3 * right + 2] = 3 * left + 1

@@ -52,6 +52,7 @@ class Drying(NamedTuple):
     rate: float  # mm/s, well inside the wet region
     gain: float  # what it is faster at the border, times as fast
     dry: float  # mm: a node with no more is dry
+    capacity: float  # depth that the pores hold, mm
 
 
 @kernel(error_model="numpy")
@@ -78,11 +79,14 @@ def solve_edges(wet, f, totals, reach, sweeps, inside):
 def evaporate(wet, f, rest, drying, inside, dried, still_wet):
     """Let water go from wet nodes (W,), for the time that each one's block is owed over `rest`.
 
+    What is left below the residual saturation hangs together no longer: what comes later has to
+    fill these pores anew, and stops where it stopped in dry ones.
+
     Parameters
     ----------
     wet : (W,) i32
     f : WetFields
-        Its water is changed.
+        Its water is changed, and `soaked` where that moves no longer.
     rest : f64
         s.
     drying : Drying
@@ -99,7 +103,7 @@ def evaporate(wet, f, rest, drying, inside, dried, still_wet):
         How many are dry.
     """
     block, owed, water = f.block, f.owed, f.water
-    rate, gain, dry = drying
+    rate, gain, dry, capacity = drying
     n_dried = 0
     for n in range(wet.shape[0]):
         i = wet[n]
@@ -109,8 +113,10 @@ def evaporate(wet, f, rest, drying, inside, dried, still_wet):
             water[i] = 0.0
             dried[n_dried] = i
             n_dried += 1
-        else:
-            still_wet[b] = True
+            continue
+        still_wet[b] = True
+        if water[i] < capacity * f.residual[i]:
+            f.soaked[i] = min(f.soaked[i], np.float32(water[i] / f.entry_depth[i]))
     return n_dried
 
 

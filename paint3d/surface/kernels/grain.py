@@ -13,6 +13,12 @@ from paint3d.mesh.kernels.mesh_arrays import mix
 
 __all__ = ["fill_grain"]
 
+_TURN = (  # thirds: so that the lattice lies along no side of a flat sheet
+    (2.0, -1.0, 2.0),
+    (2.0, 2.0, -1.0),
+    (-1.0, 2.0, 2.0),
+)
+
 
 @uncounted
 def _corner(i, j, k):
@@ -43,8 +49,11 @@ def _noise(x, y, z):
 @uncounted
 def _grain_at(x, y, z, length):
     """Height of the grain at a place (mm), 0 to 1, mean 1/2: bumps of `length` mm and half that."""
-    x, y, z = x / length, y / length, z / length
-    return 0.67 * _noise(x, y, z) + 0.33 * _noise(2.0 * x + 7.3, 2.0 * y + 1.9, 2.0 * z + 4.1)
+    length *= 3.0
+    a = (_TURN[0][0] * x + _TURN[0][1] * y + _TURN[0][2] * z) / length
+    b = (_TURN[1][0] * x + _TURN[1][1] * y + _TURN[1][2] * z) / length
+    c = (_TURN[2][0] * x + _TURN[2][1] * y + _TURN[2][2] * z) / length
+    return 0.67 * _noise(a, b, c) + 0.33 * _noise(2.0 * c + 7.3, 2.0 * a + 1.9, 2.0 * b + 4.1)
 
 
 @uncounted

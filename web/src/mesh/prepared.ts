@@ -81,20 +81,25 @@ export function prepare(
 
   const longest = base.longest.reduce((a, b) => Math.max(a, b), 0.0);
   const shift = refines ? 2 * Math.max(0, Math.ceil(Math.log2(longest / resolution))) + 6 : 0;
-  const sixth = base.areas.map((area) => area / 6.0);
-  const unit = (2.0 * pairwiseSum(sixth)) / 2.0 ** (AREA_BITS - shift);
-  const nodeArea = BigInt64Array.from(sixth, (area) =>
+  const column = (rows: Float32Array, c: number): Float32Array =>
+    Float32Array.from({ length: n }, (_, k) => rows[3 * k + c]);
+  const unit = pairwiseSum(base.areas) / 2.0 ** (AREA_BITS - shift);
+  const nodeArea = BigInt64Array.from(base.areas, (area) =>
     BigInt(Math.max(roundHalfToEven(area / unit), 1.0)) << BigInt(shift));
-  const areaUnits = new BigInt64Array(n);
-  for (let c = 0; c < 3; c++) for (let t = 0; t < roots; t++) areaUnits[faces[3 * t + c]] += 2n * nodeArea[t];
+  const shares = [
+    ...[0, 1, 2].map((c) => NDArray.of(kernels, "f4", column(points, c), [n])),
+    NDArray.of(kernels, "i4", faces, [roots, 3]), NDArray.of(kernels, "i8", nodeArea, [roots]), NDArray.zeros(kernels, "i8", [n]),
+  ]; // prettier-ignore
+  kernels.call("mesh.kernels.refine.spread_areas", ...shares);
+  const areaUnits = (shares[5] as NDArray<"i8">).data.slice();
+  for (const array of shares) array.free();
   const areaUnit = unit / 2.0 ** shift;
   const areas = Float64Array.from(areaUnits, (units) => Number(units) * areaUnit);
   const forest = refines ? roots : 0;
   for (const [c, axis] of ["x", "y", "z"].entries()) {
-    const column = (rows: Float32Array): Float32Array => Float32Array.from({ length: n }, (_, k) => rows[3 * k + c]);
-    put(`field.p${axis}`, "f4", column(points));
-    put(`field.n${axis}`, "f4", column(normals));
-    put(`field.m${axis}`, "f4", column(points));
+    put(`field.p${axis}`, "f4", column(points, c));
+    put(`field.n${axis}`, "f4", column(normals, c));
+    put(`field.m${axis}`, "f4", column(points, c));
   }
   put("field.counts", "i8", BigInt64Array.of(BigInt(n), BigInt(forest)));
   put("field.take", "f4", new Float32Array(n).fill(1.0));

@@ -281,7 +281,7 @@ export class Flow {
       "surface.kernels.diffusion.solve_edges",
       given, this.#fields(step), patch.totals, EDGE_REACH, EDGE_SWEEPS, patch.inside,
     ); // prettier-ignore
-    const drying = { rate: material.drying_mm_s, gain: EDGE_GAIN, dry: DRY };
+    const drying = { rate: material.drying_mm_s, gain: EDGE_GAIN, dry: DRY, capacity: capacityOf(material) };
     const count = kernels.call(
       "surface.kernels.diffusion.evaporate",
       given, this.#fields(step), rest.data[0], drying, patch.inside, dried, step.stillWet,
