@@ -26,6 +26,7 @@ from paint3d.core.parameter_file import check_known, is_parameter_file, named_or
 from paint3d.errors import Message, PigmentError
 
 __all__ = [
+    "SHEET_MM",
     "WAVE_RANGE_MM",
     "WET_COAT_MM",
     "WET_INK_MM",
@@ -61,6 +62,8 @@ _GLAZE_ROUGHNESS = 0.07  # for our single lobe: VTK's own coat is weighted by Fr
 
 WAVE_RANGE_MM = (0.1, 20.0)
 """Least and greatest spacing of bumps that is felt and seen, mm."""
+SHEET_MM = 0.12
+"""Greatest depth of pores in a sheet, which is felted of fibres, mm."""
 WET_COAT_MM = 0.03
 """Depth of the liquid in one wet coat, mm: a full stroke brushed on. Chosen by eye."""
 WET_INK_MM = 0.015
@@ -164,6 +167,11 @@ class Material:
                 getattr(self, key), f"{key} of {self.name}", low, high, error=PigmentError
             )
             object.__setattr__(self, key, number)
+
+    @property
+    def is_felted(self) -> bool:
+        """Whether it is a sheet of fibres, thin and with pores: paper, silk."""
+        return 0.0 < self.pores_mm <= SHEET_MM
 
     @property
     def seen_roughness(self) -> float:

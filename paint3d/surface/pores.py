@@ -19,7 +19,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.colour.materials import Material
+from paint3d.colour.materials import SHEET_MM, Material
 from paint3d.core.arrays import AnyArray
 from paint3d.surface.kernels.grain import fill_grain
 
@@ -123,7 +123,6 @@ _FLOCS_OF_WAYS = 1.0  # log of the conductance lost, per relative change of the 
 _ELSEWHERE = 13.1  # mm: offset between the noises of different floc sizes
 _UNDER_FIBRES = 0.35  # fraction of the bumps that is left where there are fibres
 _FIBRE_MM = 0.3  # width of the visible bundles of fibres
-_SHEET_MM = 0.12  # greatest depth of pores in a sheet, which is felted of fibres
 _SHEET_UM, _BODY_UM = 12.0, 6.0  # width of the pores of a sheet, and of clay or plaster
 _SHOWN = (0.7, 1.2)  # spacing of the vertices, mm, at which fibres start to fade, and are gone
 _SIEVE = 2.8  # saturation at which pores let all soot pass, per unit of 1 - `passing`
@@ -175,7 +174,7 @@ def mobility_of(material: Material, grain_um: AnyArray) -> NDArray[np.float64]:
     inside: of spheres that take up the fraction k of its width 1 - (k (2 - k))^2 get through
     (Ferry, *J. Gen. Physiol.* 20, 1936), and none that is wider. The widths are set by eye.
     """
-    width = _SHEET_UM if material.pores_mm <= _SHEET_MM else _BODY_UM
+    width = _SHEET_UM if material.pores_mm <= SHEET_MM else _BODY_UM
     k = np.minimum(grain_um / width, 1.0)
     result: NDArray[np.float64] = 1.0 - (k * (2.0 - k)) ** 2
     return result
@@ -261,7 +260,7 @@ def _floc_relief(points: AnyArray) -> AnyArray:
 def _fibres_shown(points: AnyArray, material: Material, spacing: float) -> AnyArray | None:
     """Return the fibre relief (N,), faded out for coarse spacings; None if this is no sheet."""
     fade, gone = _SHOWN
-    if not 0.0 < material.pores_mm <= _SHEET_MM:
+    if not material.is_felted:
         return None
     if spacing >= gone:
         return np.zeros(len(points))

@@ -163,16 +163,9 @@ SRGB_CODES = (
 """GLSL expressions of sRGB."""
 
 
-def draw_edges(actor: Any, mesh: Any, colours: str, edges: Edges, shaders: EdgeShaders) -> None:
-    """Have a PyVista actor of a mesh draw the edges of paint sharp; `colours` names its array."""
-    from vtkmodules.vtkRenderingCore import vtkPolyDataMapper
-
-    mapper, shader = vtkPolyDataMapper(), actor.GetShaderProperty()
-    mapper.ShallowCopy(actor.GetMapper())  # PyVista's is a vtkDataSetMapper: it maps no arrays
-    mapper.SetInputData(mesh)
-    mapper.SetScalarModeToUsePointFieldData()
-    mapper.SelectColorArray(colours)
-    actor.SetMapper(mapper)
+def draw_edges(actor: Any, mesh: Any, edges: Edges, shaders: EdgeShaders) -> None:
+    """Have an actor of a mesh with a mapper of its own draw the edges of paint sharp."""
+    mapper, shader = actor.GetMapper(), actor.GetShaderProperty()
     points = 0  # VTK's FIELD_ASSOCIATION_POINTS
     for name in ("bare", "shares"):
         mapper.MapDataArrayToVertexAttribute(name, name, points, -1)
@@ -183,6 +176,19 @@ def draw_edges(actor: Any, mesh: Any, colours: str, edges: Edges, shaders: EdgeS
     shader.AddFragmentShaderReplacement(declare, True, f"{declare}\n{shaders.declared}", False)
     shader.AddFragmentShaderReplacement(colour, True, f"{shaders.fragment}\n{colour}", False)
     shader.AddFragmentShaderReplacement("vertexColorVSOutput.rgb", False, "painted", True)
+
+
+def own_mapper(actor: Any, mesh: Any, colours: str) -> Any:
+    """Give a PyVista actor a mapper that maps arrays to attributes, which its own does not."""
+    from vtkmodules.vtkRenderingCore import vtkPolyDataMapper
+
+    mapper = vtkPolyDataMapper()
+    mapper.ShallowCopy(actor.GetMapper())
+    mapper.SetInputData(mesh)
+    mapper.SetScalarModeToUsePointFieldData()
+    mapper.SelectColorArray(colours)
+    actor.SetMapper(mapper)
+    return mapper
 
 
 def set_edges(mesh: Any, edges: Edges) -> None:

@@ -29,6 +29,7 @@ from paint3d.view.live_layers import Box, Enlarger, KeptPicture, LastPicture, Ta
 from paint3d.view.live_light import SHOULDER, BakedLight
 from paint3d.view.live_object import PatchUpload
 from paint3d.view.live_patches import turned_away
+from paint3d.view.paper import OF_CODES, Paper
 from paint3d.view.studio import Gloss
 from paint3d.view.vtk_parts import DrawnMesh, camera_light, quiet_vtk
 
@@ -79,7 +80,7 @@ _LOBES = {
 # no weave is visible, and faded out where pixels are coarser than the grain.
 _RELIEF = """
 float relief() {
-  vec3 turned = grainPlace * TURNS;
+  vec3 turned = surfacePlace * TURNS;
   float seen = clamp(2.0 - 1.6 * length(fwidth(turned)), 0.0, 1.0);
   if (seen <= 0.0) return 1.0;
   turned += 2.3 * sin(0.31 * turned.yzx + vec3(0.7, 3.1, 5.3));
@@ -200,6 +201,7 @@ class LiveScene:
         self._seen: tuple[int, int] | None = None
         self._ground: DrawnMesh | None = None
         self._gloss = Gloss.of("porcelain")
+        self._paper: Paper | None = None
         self._bounds = np.zeros(3), 1.0
         self.uploaded = 0
         self.frame_s = 0.0
@@ -265,6 +267,7 @@ class LiveScene:
     def set_gloss(self, gloss: Gloss) -> None:
         """Set the gloss of the object's material."""
         self._gloss = gloss
+        self._paper = Paper(quick=self.is_software) if gloss.paper > 0.0 else None
         for drawn in (*self._patches.values(), *self._coarse):
             _shine(drawn.actor.GetProperty(), gloss)
 
@@ -295,7 +298,7 @@ class LiveScene:
             if upload.patch not in self._sharp and upload.shares.any():
                 self._sharp.add(upload.patch)
                 drawn.read_attributes()
-                _set_shaders(drawn, True, self._gloss, sharp=True)
+                _set_shaders(drawn, True, self._gloss, self._paper, sharp=True)
             self.uploaded += upload.n_bytes
         return changed
 
@@ -305,7 +308,7 @@ class LiveScene:
         look = drawn.actor.GetProperty()
         _shine(look, self._gloss)
         look.SetBackfaceCulling(self._is_solid)
-        _set_shaders(drawn, True, self._gloss)
+        _set_shaders(drawn, True, self._gloss, self._paper)
         drawn.actor.ForceOpaqueOn()  # alpha is the shine, not opacity
         self.renderer.AddActor(drawn.actor)
         return drawn
@@ -827,7 +830,9 @@ def _unit(vector: Iterable[float]) -> AnyArray:
     return array / np.linalg.norm(array)
 
 
-def _set_shaders(drawn: DrawnMesh, on: bool, gloss: Gloss, *, sharp: bool = False) -> None:
+def _set_shaders(
+    drawn: DrawnMesh, on: bool, gloss: Gloss, paper: Paper | None = None, *, sharp: bool = False
+) -> None:
     """Turn per-pixel highlights and grain on or off, with `sharp` edges of paint.
 
     These read the attributes `bare` and `shares` (see `PatchUpload`).
@@ -840,7 +845,10 @@ def _set_shaders(drawn: DrawnMesh, on: bool, gloss: Gloss, *, sharp: bool = Fals
         return
     declare, assign = "//VTK::PositionVC::Dec", "//VTK::PositionVC::Impl"
     vertex, placed, fragment = [declare], [assign], [declare]
-    shine = _SHINE.replace("RELIEF *", "relief() *" if gloss.grain > 0.0 else "")
+    seen = ["relief()"] if gloss.grain > 0.0 else []
+    if paper is not None:
+        seen.append(f"paper(surfacePlace, {OF_CODES * gloss.paper:.3f})")
+    shine = _SHINE.replace("RELIEF *", " ".join(f"{factor} *" for factor in seen))
     for name, value in _LOBES.items():
         shine = shine.replace(name, f"{value:.3f}")
     if sharp:
@@ -849,13 +857,17 @@ def _set_shaders(drawn: DrawnMesh, on: bool, gloss: Gloss, *, sharp: bool = Fals
         fragment += [_EDGES.declared]
     found = _EDGES.fragment if sharp else "  vec3 painted = vertexColorVSOutput.rgb;"
     shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, found + shine, False)
-    if gloss.grain > 0.0:
+    if seen:
         drawn.keep_places()
+        vertex += ["out vec3 surfacePlace;"]
+        placed += ["  surfacePlace = vertexMC.xyz;"]
+        fragment += ["in vec3 surfacePlace;"]
+    if gloss.grain > 0.0:
         depth, turns = _DEEPEST * gloss.grain / 3.0, 2.0 * math.pi / gloss.wave_mm
         relief = _RELIEF.replace("DEPTH", f"{depth:.6f}").replace("TURNS", f"{turns:.6f}")
-        vertex += ["out vec3 grainPlace;"]
-        placed += ["  grainPlace = vertexMC.xyz;"]
-        fragment += ["in vec3 grainPlace;", relief]
+        fragment += [relief]
+    if paper is not None:
+        paper.add_to(drawn.actor)
     shader.AddVertexShaderReplacement(declare, True, "\n".join(vertex), False)
     shader.AddVertexShaderReplacement(assign, True, "\n".join(placed), False)
     shader.AddFragmentShaderReplacement(declare, True, "\n".join(fragment), False)

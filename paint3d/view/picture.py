@@ -188,7 +188,8 @@ def set_up_scene(
 class Lighting(NamedTuple):
     """An object placed in the studio, and the light on it, independent of its colours.
 
-    `vertices` and `normals` (V, 3) are in the studio's axes; `light` (S, 3) falls on the S vertices
+    `vertices` and `normals` (V, 3) are in the studio's axes, `places` (V, 3) in the object's;
+    `light` (S, 3) falls on the S vertices
     marked in `seen` (V,), and includes the `exposure`.
     """
 
@@ -200,6 +201,7 @@ class Lighting(NamedTuple):
     exposure: float
     ground: Ground | None
     camera: Camera
+    places: NDArray[np.float32]
     studio: Studio
 
     def scene(self, srgb: AnyArray, edges: Edges | None = None) -> Scene:
@@ -209,7 +211,7 @@ class Lighting(NamedTuple):
             edges = edges._replace(bare=self._lit(edges.bare, peak))
         return Scene(
             self.vertices, self.faces, self.normals, self._lit(srgb, peak), peak, self.exposure,
-            self.ground, self.camera, self.studio, edges,
+            self.ground, self.camera, self.places, self.studio, edges,
         )  # fmt: skip
 
     def _lit(self, srgb: AnyArray, peak: float) -> NDArray[np.uint8]:
@@ -233,7 +235,7 @@ def light_object(
     with `everywhere`.
     """
     vertices, faces, normals, srgb = arrays
-    areas = vertex_areas(vertices, faces)
+    places, areas = vertices, vertex_areas(vertices, faces)
     stand = setting.stand
     axes = (studio_axes(vertices, view) if stand is None else stand.axes).astype(np.float32)
     vertices, normals = vertices @ axes.T, normals @ axes.T
@@ -254,8 +256,9 @@ def light_object(
     light *= exposure
     shown_ground = ground if on_ground else None
     return Lighting(
-        vertices, normals, faces, seen, light, exposure, shown_ground, camera, setting.studio
-    )
+        vertices, normals, faces, seen, light, exposure, shown_ground, camera, places,
+        setting.studio,
+    )  # fmt: skip
 
 
 def _needs_light(normals: AnyArray, to_camera: AnyArray, faces: AnyArray) -> NDArray[np.bool_]:

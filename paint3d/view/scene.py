@@ -21,8 +21,10 @@ from paint3d.view.edges import (
     Edges,
     EdgeShaders,
     draw_edges,
+    own_mapper,
     set_edges,
 )
+from paint3d.view.paper import OF_CODES, show_paper
 from paint3d.view.studio import LIGHTS, Gloss, Studio, linear_to_srgb, make_panorama, srgb_to_linear
 
 __all__ = [
@@ -59,7 +61,8 @@ class Scene:
 
     `colours` (V, 3) uint8 are (light / `peak`)^(1/2.2); `exposure` converts the studio's radiance
     to linear brightness; `ground` is None in views from below and in transparent pictures.
-    `edges` are those of the paint, their bare colours like `colours`; None: interpolate.
+    `edges` are those of the paint, their bare colours like `colours`; None: interpolate. `places`
+    (V, 3) are the vertices on the object at rest, where its paper is read.
     """
 
     vertices: NDArray[np.float32]
@@ -70,6 +73,7 @@ class Scene:
     exposure: float
     ground: Ground | None
     camera: Camera
+    places: NDArray[np.float32]
     studio: Studio = LIGHTS["studio"]
     edges: Edges | None = None
 
@@ -241,8 +245,11 @@ def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> Any:
         actor.GetProperty().SetORMTexture(_texture(scale, plain=True))
         shader = actor.GetShaderProperty()
         shader.AddFragmentShaderReplacement("vec3(baseF0Uniform)", False, _FILM_MIRRORS, True)
+    own_mapper(actor, mesh, "light")
     if scene.edges is not None:
-        draw_edges(actor, mesh, "light", scene.edges, _LIT_EDGES)
+        draw_edges(actor, mesh, scene.edges, _LIT_EDGES)
+    if gloss.paper > 0.0:
+        show_paper(actor, mesh, scene.places, gloss.paper)
     return mesh
 
 
@@ -383,6 +390,7 @@ def draw_flat(
     size: tuple[int, int],
     transparent: bool = False,
     edges: Edges | None = None,
+    paper: float = 0.0,
 ) -> NDArray[np.uint8]:
     """Return the pixels of a projection, (height, width, 3) on white, or 4 if transparent.
 
@@ -399,13 +407,15 @@ def draw_flat(
     transparent : bool
     edges : Edges, optional
         Those of the paint, drawn sharp; by default codes are interpolated there, too.
+    paper : float
+        As in `Gloss`.
 
     Raises
     ------
     ExportError
         If no OpenGL can be started.
     """
-    with FlatDrawing(faces, frame, size, transparent) as drawing:
+    with FlatDrawing(faces, frame, size, transparent, paper) as drawing:
         return drawing.pixels(vertices, srgb, edges)
 
 
@@ -414,7 +424,7 @@ class FlatDrawing:
 
     Parameters
     ----------
-    faces, frame, size, transparent
+    faces, frame, size, transparent, paper
         As for `draw_flat`.
 
     Raises
@@ -424,9 +434,15 @@ class FlatDrawing:
     """
 
     def __init__(
-        self, faces: AnyArray, frame: Frame, size: tuple[int, int], transparent: bool = False
+        self,
+        faces: AnyArray,
+        frame: Frame,
+        size: tuple[int, int],
+        transparent: bool = False,
+        paper: float = 0.0,
     ) -> None:
         self._faces, self._frame, self._transparent = faces, frame, transparent
+        self._paper = paper
         self._scale = _FINER if max(size) * _FINER <= MOST_PIXELS else 1
         self._size = tuple(self._scale * n for n in size)
         self._plotter: Any = None
@@ -459,8 +475,11 @@ class FlatDrawing:
                 mesh = self._mesh = pv.PolyData.from_regular_faces(seen, self._faces)
                 mesh.point_data["srgb"] = srgb
                 actor = plotter.add_mesh(mesh, scalars="srgb", rgb=True, lighting=False)
+                own_mapper(actor, mesh, "srgb")
                 if edges is not None:
-                    draw_edges(actor, mesh, "srgb", edges, _FLAT_EDGES)
+                    draw_edges(actor, mesh, edges, _FLAT_EDGES)
+                if self._paper > 0.0:
+                    show_paper(actor, mesh, vertices, OF_CODES * self._paper)
             else:
                 self._mesh.points[:] = seen
                 self._mesh.GetPoints().Modified()

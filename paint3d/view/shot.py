@@ -111,6 +111,10 @@ class Shot:
         """Whether the object is lit."""
         return self.light != UNLIT and self.view != FLAT
 
+    def paper(self, gloss: Gloss | None) -> float:
+        """Return how much of its paper an unlit picture shows: none without light."""
+        return 0.0 if gloss is None or self.light == UNLIT else gloss.paper
+
     def seen_from(self, arrays: Arrays) -> View:
         """Return the view of the object."""
         if self.view == AUTO:
@@ -168,7 +172,8 @@ def take_shot(
     if not shot.is_lit:
         axes = _picture_axes(view)
         frame, size = _frame(arrays[0], axes, shot)
-        return draw_flat(*arrays[:2], arrays[3], frame, size, shot.transparent, edges)
+        paper = shot.paper(gloss)
+        return draw_flat(*arrays[:2], arrays[3], frame, size, shot.transparent, edges, paper)
     setting = Setting(LIGHTS[shot.light], shot.transparent)
     size = shot.size or SIZE
     return draw_picture(*arrays, size=size, view=view, gloss=gloss, setting=setting, edges=edges)
@@ -257,7 +262,8 @@ def take_film(
         camera = _fitted(swept, axes, view, shot)
         frame, size = _frame(swept, _picture_axes(view), shot)
     if camera is None or not shot.is_lit:
-        with FlatDrawing(arrays[1], frame, size, shot.transparent) as drawing:
+        paper = shot.paper(gloss)
+        with FlatDrawing(arrays[1], frame, size, shot.transparent, paper) as drawing:
             for moment in moments:
                 vertices = _turned(arrays, moment.turn)[0] if moment.turn else arrays[0]
                 yield drawing.pixels(vertices, moment.srgb, moment.edges)

@@ -47,6 +47,8 @@ class Gloss:
         Coarseness, 0 (smooth) to 1: its bumps are lighter and its pits darker.
     wave_mm : float
         Distance between bumps.
+    paper : float
+        How much clouds and fibres of paper are seen; 1 for raw xuan, 0 where it is none.
     each : (V,) float32, optional
         Visible roughness of each vertex, if they differ: where wet, or under dried ink.
     """
@@ -55,6 +57,7 @@ class Gloss:
     coat: float
     grain: float = 0.0
     wave_mm: float = 1.0
+    paper: float = 0.0
     each: NDArray[np.float32] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
@@ -62,6 +65,7 @@ class Gloss:
         as_number(self.wave_mm, "wave_mm", 0.01, 100.0)
         as_number(self.roughness, "roughness", 0.0, 1.0)
         as_number(self.coat, "coat", 0.0, 1.0)
+        as_number(self.paper, "paper", 0.0, 4.0)
 
     @classmethod
     def of(cls, material: str | Material) -> Gloss:
@@ -77,7 +81,7 @@ class Gloss:
             if name not in known:
                 raise UnknownNameError("material", name, known)
             material = known[name]
-        return cls(material.roughness, material.coat)
+        return cls(material.roughness, material.coat, paper=float(material.is_felted))
 
     @property
     def seen_roughness(self) -> float:
@@ -88,7 +92,10 @@ class Gloss:
 _GLOSSES = {
     "porcelain": Gloss(0.30, 0.90),
     "bisque": Gloss(0.75, 0.0),
-    "xuan": Gloss(0.95, 0.0),
+    "xuan": Gloss(0.95, 0.0, paper=1.0),
+    "sized xuan": Gloss(0.85, 0.05, paper=0.8),
+    "tinted xuan": Gloss(0.9, 0.0, paper=1.2),
+    "silk": Gloss(0.6, 0.15),
     "plaster": Gloss(0.9, 0.0),
     "terracotta": Gloss(0.8, 0.0),
 }

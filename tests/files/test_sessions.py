@@ -344,8 +344,9 @@ def test_a_session_of_version_1_opens():
     assert opened.settings == told["settings"]
     assert [len(recording) for recording in opened.recordings] == told["samples"]
     assert [pigment.name for pigment in surface.pigments] == told["pigments"]
-    assert surface.wet_ink() == pytest.approx(told["wet"], rel=1e-6)
-    assert surface.dry_ink() == pytest.approx(told["dry"], rel=1e-6)
+    # vertices stood for thirds of the triangles around them then
+    assert surface.wet_ink() == pytest.approx(told["wet"], rel=2e-3)
+    assert surface.dry_ink() == pytest.approx(told["dry"], rel=2e-3)
     shown = surface.srgb[surface.paint_mesh.source_order()]
     assert np.abs(shown.astype(int) - np.array(told["srgb"])).max() <= 1
 

@@ -54,25 +54,27 @@ def edges_of(surface: PaintedSurface) -> Edges:
     return Edges(surface.bare_codes, shares)
 
 
-def flat(surface: PaintedSurface, turn: float, offset: float, scale: float, edges) -> NDArray:
+def flat(surface: PaintedSurface, turn: float, offset: float, scale: float, edges, paper=0.0):
     """A picture in which the band's edge goes straight up in the middle, scale in pixels a mm."""
     across, along = (np.array([f(turn), g(turn), 0.0]) for f, g in _TURNED)
     axes = np.stack([across, along, [0.0, 0.0, 1.0]])
     frame = Frame(axes, np.array([offset, 0.0]), SIZE[1] / scale)
     mesh = surface.mesh
-    pixels = draw_flat(mesh.vertices, mesh.faces, surface.srgb, frame, SIZE, edges=edges)
+    pixels = draw_flat(
+        mesh.vertices, mesh.faces, surface.srgb, frame, SIZE, edges=edges, paper=paper
+    )
     return pixels[..., 1].astype(np.float64)
 
 
 _TURNED = (math.cos, math.sin), (lambda t: -math.sin(t), math.cos)
 
 
-def live(surface: PaintedSurface, turn: float, offset: float, scale: float) -> NDArray:
+def live(surface: PaintedSurface, turn: float, offset: float, scale: float, of="porcelain"):
     """The same in the studio's window."""
     across, along = (np.array([f(turn), g(turn), 0.0]) for f, g in _TURNED)
     shown, scene = LiveObject(surface), LiveScene(SIZE, LIGHT)
     try:
-        scene.clear(shown.centre, shown.radius, Gloss.of("porcelain"))
+        scene.clear(shown.centre, shown.radius, Gloss.of(of))
         scene.apply(shown.uploads(surface.refresh()))
         angle = math.radians(10.0)
         away = 0.5 * SIZE[1] / scale / math.tan(0.5 * angle)
@@ -126,6 +128,19 @@ def test_an_edge_is_two_pixels_wide_in_the_window(surface, scale, turn, offset) 
     places, widths = measured(live(surface, turn, offset, scale))
     assert np.quantile(widths, 0.9) < 2.6
     assert waves_at_pitch(places, scale) < 0.017
+
+
+def test_paper_is_seen_where_edges_are_sharp(surface) -> None:
+    paint_band(surface, 0.3, 0.0, 100.0)
+    edges = edges_of(surface)
+    pictures = flat(surface, 0.3, 0.0, 15.0, edges, 1.0), live(surface, 0.3, 0.0, 15.0, "xuan")
+    for picture in pictures:
+        _, widths = measured(picture)
+        assert np.quantile(widths, 0.9) < 4.0  # fibres beside it
+        assert 0.5 < picture[:, SIZE[0] // 2 + 20 :].std() < 4.0
+        assert np.median(picture[:, : SIZE[0] // 2 - 20]) < 0.3 * np.median(picture[:, -20:])
+    bare = flat(surface, 0.3, 0.0, 15.0, edges)[:, SIZE[0] // 2 + 20 :]
+    assert bare.std() < 0.1
 
 
 def test_from_afar_and_inside_all_is_as_interpolated(surface) -> None:

@@ -122,7 +122,8 @@ class Stage:
         shown = self._object = opened.shown
         material = opened.document.surface.material
         grain = material.grain if material.tooth_mm > 0.0 else 0.0
-        gloss = Gloss(material.roughness, material.coat, grain, material.wave_mm)
+        paper = Gloss.of(material).paper
+        gloss = Gloss(material.roughness, material.coat, grain, material.wave_mm, paper)
         self.scene.clear(shown.centre, shown.radius, gloss, solid=shown.is_solid)
         self.scene.apply(opened.uploads)
         self._unlit = shown.light
