@@ -34,6 +34,7 @@ __all__ = [
     "cut_outline",
     "fetch",
     "fill_chords",
+    "find_begun",
     "hold_within",
     "make_chords",
     "weigh",
@@ -464,6 +465,31 @@ def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover)
         cover[k] = most if most > _NOTHING else _ZERO
         weight = (within - _ONE) * mean
         share[k] = weight * stretch[k] if min(weight, most) > _NOTHING else _ZERO
+
+
+@uncounted(error_model="numpy", apart=True)
+def find_begun(n, scale, flanks, grid, lines, xs, ys, begun):
+    """Share of vertices' boxes that the outline covers where a sweep begins.
+
+    Parameters
+    ----------
+    n : int
+    scale : float
+        Box widths to the mm.
+    flanks, grid, lines : (4,) and (3,) float64, (MOST_LINES * _ROW,) uint32
+        Of `fill_chords`, those of the first stamp.
+    xs, ys : (n or more,) float32
+        Where vertices lie along the way and across, mm.
+    begun : (n or more,) float32
+        Filled.
+    """
+    per_box = np.float32(scale)
+    first, per_mm, last = _grid(grid)
+    low, high = np.float32(flanks[0]), np.float32(flanks[2])
+    for k in range(n):
+        y = ys[k]
+        enters, leaves = _distances(xs[k], y, first, per_mm, last, lines)
+        begun[k] = _between((y - low) * per_box, (high - y) * per_box) * _between(enters, leaves)
 
 
 @uncounted(error_model="numpy", forceinline=True)

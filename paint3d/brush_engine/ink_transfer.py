@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.coverage import cut_outline, fetch, weighed_area
+from paint3d.brush_engine.coverage import cut_outline, fetch, find_begun, weighed_area
 from paint3d.brush_engine.dry_contact import (
     BUNDLE_MM,
     dry_contact,
@@ -226,6 +226,8 @@ FILM = 0.35  # of equation (12a): pressure under which a way as long as the root
 FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
 _DRY_FILM = 0.5  # of that film, what a tuft leaves that hardly reaches the grain
 _FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one sweep at most
+_TOLD = 0.02  # of the ink in a tuft, a pigment by which its liquid is told on the surface
+_FED_MM = 1.0  # way on which it puts back all but 1 / e of what has run from under it
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
 _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
 # speed of a hand at which h is that, the power it falls with, and the least speed that counts
@@ -347,6 +349,20 @@ def _fetch_coats(runs, n_runs, ids, n, amounts, coats):
             coats[k] += amounts[as_index(ids[k]), p]
 
 
+@uncounted(error_model="numpy")
+def _count_drained(ids, n, ink, coats):
+    """Count the liquid with which the ink on vertices came: its water, once in the paper, is gone.
+
+    What lies there is taken for ink as the tuft holds it, by the pigment of which there is most.
+    """
+    total = held_ink(ink)
+    for p in range(ink.load.shape[0]):
+        if ink.load[p] > _TOLD * total:
+            per_part = np.float32(total / ink.load[p])
+            for k in range(n):
+                coats[k] = max(coats[k], per_part * ink.amounts[as_index(ids[k]), p])
+
+
 @uncounted(error_model="numpy", apart=True)
 def _find_liquid(n, ahead, aside, turn, values, lines, heights):
     """Fill how high a tuft's liquid stands over vertices: 1 in an outline's middle, 0 outside.
@@ -436,15 +452,20 @@ def _find_lacking(n, film, cover, take, covered, coats, lacks):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _add_short(n, coats, heights, lacks):
-    """Add what vertices fall short of a film, but for those that lay under the tuft already."""
-    zero = np.float32(0.0)
+def _add_short(n, film, fed, cover, take, covered, coats, begun, lacks):
+    """Add what vertices fall short of a film, though they were covered already.
+
+    Where the tuft comes it leaves its film, and of what has run from under it since it puts back
+    the share `fed`; `begun` is what it covered of each when the sweep began.
+    """
+    zero, part = np.float32(0.0), np.float32(fed)
     for k in range(n):
-        lacks[k] += coats[k] if (coats[k] > zero) & (heights[k] <= zero) else zero
+        comes = film * take[k] * (min(cover[k], covered[k]) - begun[k])
+        lacks[k] += max(zero, min(coats[k], max(comes, part * coats[k])))
 
 
 @uncounted(error_model="numpy")
-def _lay_first_film(coats, unit, before, sweep, found, n, field, ink):
+def _lay_first_film(coats, unit, before, after, found, n, field, ink, scratch):
     """Lay a film at once where the tuft comes to, however lightly and briefly it is touched.
 
     What is newly covered lacks all of it; where ink ran ahead of the tuft, or has dried, what comes
@@ -456,13 +477,11 @@ def _lay_first_film(coats, unit, before, sweep, found, n, field, ink):
         Of the film.
     unit : float
         Coats that a share of 1 gets of what is given on the way; 0 where nothing is.
-    before : Stamp
-        What lies under it has got its film.
-    sweep : record of SWEEP
+    before, after : Stamp
+        What lies under the first has got its film.
     found : Found
         The first `n` of it; their shares grow.
-    n : int
-    field, ink : SurfaceField, InkField
+    n, field, ink, scratch : as for `level_shares`
 
     Returns
     -------
@@ -472,8 +491,19 @@ def _lay_first_film(coats, unit, before, sweep, found, n, field, ink):
     share, lacks = found.share, found.lacks
     film = np.float32(coats)
     if _find_lacking(n, film, found.cover, found.take, found.covered, found.coats, lacks):
-        _find_heights(sweep.to_before, before, found, n)
-        _add_short(n, found.coats, found.heights, lacks)
+        begun = found.heights
+        if before.values[0].touches > 0.0:
+            sweep, chords = scratch.sweep[0], scratch.chords
+            find_begun(
+                n, sweep.scale, chords.flanks[0], chords.grids[0], chords.lines[0], found.ahead,
+                found.aside, begun,
+            )  # fmt: skip
+        else:
+            begun[:n] = 0.0
+        fed = -np.expm1(-ink_way(before, after) / _FED_MM) if ink.transfer[0].pickup <= 0.0 else 0.0
+        _add_short(
+            n, film, fed, found.cover, found.take, found.covered, found.coats, begun, lacks
+        )  # fmt: skip
     lacking = weighed_area(n, found.area, lacks, field.area_step)
     if lacking <= 0.0:
         return 0.0
@@ -508,14 +538,16 @@ def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
     weighed : float
         The area that is shared by now.
     """
-    rest, whole, found, sweep = 1.0, weighed, scratch.found, scratch.sweep[0]
+    rest, whole, found = 1.0, weighed, scratch.found
     fetch_found(found, n, field.take, found.take)
     fetch_found(found, n, ink.coverage, found.covered)
     _fetch_coats(found.runs, found.count[0], found.ids, n, ink.amounts, found.coats)
-    if landing > 0.0 and _saturate(after, sweep, found, n, ink):
+    if landing > 0.0 and _saturate(after, scratch.sweep[0], found, n, ink):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
         rest = weighed / whole
-    first = _lay_first_film(coats, landing / whole, before, sweep, found, n, field, ink)
+    if ink.load.shape[0] > 1:
+        _count_drained(found.ids, n, ink, found.coats)
+    first = _lay_first_film(coats, landing / whole, before, after, found, n, field, ink, scratch)
     if first > 0.0:
         weighed = weighed_area(n, found.area, found.share, field.area_step)
     return rest, first, weighed

@@ -230,8 +230,9 @@ class WetPatch:
                 self.pigment[node, column] = 0.0
                 self.fine[node, column] = self.loose[node, column] = 0.0
         laid = node[came > 0.0]
-        self.soaked[laid] = 1.0  # wetted by the brush
-        self.entry[laid] = 0.0
+        covered = self._store.ink.coverage[graph.vertices[at[came > 0.0]]]
+        np.maximum.at(self.soaked, laid, covered)  # wetted by the brush
+        self.entry[laid[self.soaked[laid] >= 1.0]] = 0.0
         self.changed[node] = True
         bare = node[self.pigment[node].sum(axis=1) + self.water[node] <= 0.0]
         self.water[bare] = 0.0

@@ -232,7 +232,7 @@ export class WetPatch {
     const { graph, surface } = this;
     const count = this.#count;
     const { pigments } = surface;
-    const amounts = surface.ink.amounts.data;
+    const [amounts, coverage] = [surface.ink.amounts.data, surface.ink.coverage.data];
     const [nodeOf, vertices, blockOf] = [graph.nodeOf.data, graph.vertices.data, graph.block.data];
     const [written, share] = [this.written.data, this.share.data];
     const [water, soaked, entry, changed] = [this.water.data, this.soaked.data, this.entry.data, this.changed.data];
@@ -279,8 +279,9 @@ export class WetPatch {
     const [owed, pace] = [this.owed.data, this.pace.data];
     for (let i = 0; i < n; i++) {
       if (came[i] > 0.0) {
-        soaked[node[i]] = 1.0;
-        entry[node[i]] = 0.0;
+        const to = node[i];
+        soaked[to] = Math.max(soaked[to], coverage[vertices[at[i]]]); // wetted by the brush
+        if (soaked[to] >= 1.0) entry[to] = 0.0;
       }
       changed[node[i]] = 1;
     }
