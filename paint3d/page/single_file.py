@@ -55,8 +55,9 @@ MOST_STEPS, MOST_BYTES = 30, 1 << 28
 _SCORE = "painting.score.jsonl"
 _HEAD = {"format": "paint3d-recording", "version": 2}
 _PLAYED = {
-    "begin_stroke": {"erase"}, "end_stroke": set(), "set_brush": {"brush"}, "dip": {"ink"},
-    "undo": set(), "redo": set(), "dry": set(), "follow_time": {"seconds", "times"},
+    "begin_stroke": {"erase"}, "end_stroke": set(), "set_brush": {"brush"},
+    "dip": {"ink", "amount"}, "undo": set(), "redo": set(), "dry": set(),
+    "follow_time": {"seconds", "times"},
     "press_seal": {"rings", "at", "up", "ink", "coats", "pad_mm", "wear", "seed"},
     "lay_text": {"text", "number"}, "remove_text": {"number"}, "add_layer": set(),
     "remove_layer": {"place"}, "select_layer": {"place"}, "move_layer": {"place", "to"},
@@ -273,11 +274,6 @@ def _events(events: Sequence[Event], header: Mapping[str, Any]) -> Iterator[Even
             continue  # none
         if name in hand and line == {"do": name, **hand[name]}:
             continue  # as it is
-        if name == "dip" and DipAmount.of(line.pop("amount", {})) != DipAmount():
-            raise InputError(
-                "its dips take up another amount of ink than a page's, which fill the brush",
-                hint="paint3d write --dip always",
-            )
         others = sorted(set(line) - {"do"} - _PLAYED.get(name, set()))
         if name not in _PLAYED or others:
             what = name if name not in _PLAYED else f"{name} with {others[0]}"

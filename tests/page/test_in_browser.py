@@ -776,13 +776,19 @@ def test_a_painting_that_cannot_be_played_to_its_end_is_not_kept(
     settled(browser)
     seen = browser.evaluate("paint3d.score()")
     browser.wait_for("paint3d.isKept")
-    back = json.dumps(seen + 2 * '{"do": "undo"}\n')
-    with pytest.raises(AssertionError) as refused:
-        browser.evaluate(
-            "fetch('contents.json').then(r => r.json()).then(c => paint3d.open(c,"
-            f" c.objects[{BOWL}], {{ score: {back}, playedIn: 0 }}))"
-        )
-    assert "it goes back farther than a page keeps" in str(refused.value)
+    for end, said in (
+        (2 * '{"do": "undo"}\n', "it goes back farther than a page keeps"),
+        ('{"do": "follow_time", "seconds": 0.1}\n',
+         "its ink flows in steps of 0.1 s; in a page these are 0.05 s"),
+        ('{"do": "dip", "amount": {"wetted": 2}}\n',
+         'a dip is {"wetted":2}; expected wetted, .001 to 1, and fullness, .05 to 3'),
+    ):  # fmt: skip
+        with pytest.raises(AssertionError) as refused:
+            browser.evaluate(
+                "fetch('contents.json').then(r => r.json()).then(c => paint3d.open(c,"
+                f" c.objects[{BOWL}], {{ score: {json.dumps(seen + end)}, playedIn: 0 }}))"
+            )
+        assert said in str(refused.value)
     browser.stroke(wave(380.0, 420.0, 100.0))
     settled(browser)
     browser.wait_for("paint3d.isKept")

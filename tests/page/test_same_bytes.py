@@ -112,6 +112,7 @@ SITTINGS, QUICK_SITTINGS = 16, 4
 RUNS = {"do": "follow_time", "seconds": 0.05, "times": 6}
 RED = {"do": "dip", "ink": {"cinnabar": 1.0}}
 SOOT_AGAIN = {"do": "dip", "ink": SOOT}
+LITTLE = {"wetted": 0.2, "fullness": 0.6}
 SEAL = {
     "do": "press_seal", "at": [3.0, -7.0, 0.0], "up": [0.1, 1.0, 0.0], "ink": {"cinnabar": 1.0},
     "coats": 1.3, "pad_mm": 3.0, "wear": 1.0, "seed": 1,
@@ -150,6 +151,12 @@ SCORES: dict[str, list[Any]] = {
         {"do": "set_brush", "brush": "zhongkai"}, {"do": "undo"}, (1, 1), {"do": "undo"},
         {"do": "redo"}, (0, -4), {"do": "undo"}, {"do": "undo"}, RUNS, {"do": "redo"},
         {"do": "redo"}, (2, -8),
+    ],
+    "dips of other amounts, taken back": [
+        SOOT_AGAIN | {"amount": LITTLE}, (0, 0), RED, (2, -3),
+        {"do": "dip", "amount": {"fullness": 2}}, (1, -5), {"do": "undo"}, (1, -6),
+        {"do": "dip", "amount": LITTLE}, ("erase", 3, -4), {"do": "undo"}, {"do": "undo"},
+        {"do": "redo"}, {"do": "set_brush", "brush": "full"}, (0, -9),
     ],
     "a brush that runs dry, taken back": [
         (0, 0), (0, -2), (0, -4), {"do": "undo"}, {"do": "undo"}, (0, -5), {"do": "undo"},

@@ -23,7 +23,7 @@ from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score, load_score
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.chromium import browser_path, opened
+from tests.support.chromium import Browser, browser_path, opened
 from tests.support.web_page import built_page, hashes_of, why_no_kernels
 
 HEAD = {
@@ -120,13 +120,16 @@ def test_what_takes_more_memory_to_take_back_than_a_page_has_is_not_carried(
 def written(tmp_path_factory: pytest.TempPathFactory) -> Session:
     """A session of the command line, which has no score."""
     file = tmp_path_factory.mktemp("written") / "a.p3d"
-    words = ["--on", "square", "--resolution", "3", "--size", "100", "--dip", "always", "--quiet"]
+    words = ["--on", "square", "--resolution", "3", "--size", "100", "--quiet"]
     assert main(["write", "一", *words, "--out", str(file)]) == 0
     return load_session(file)
 
 
 def test_what_the_command_line_painted_whole_is_carried(written: Session) -> None:
+    amount = written.settings["amount"]  # type: ignore[index]
+    assert amount["wetted"] < 0.5
     score = page_score(written)
+    assert score.events[0] == {"do": "dip", "ink": score.header["ink"], "amount": amount}
     again = painted(score, load_mesh("square")).surface
     assert hashes_of(again) == hashes_of(written.surface)
     named = replace(written, settings={**written.settings, "brush": score.header["brush"]})
@@ -136,18 +139,7 @@ def test_what_the_command_line_painted_whole_is_carried(written: Session) -> Non
 def test_what_the_command_line_added_to_it_is_carried(written: Session, tmp_path: Path) -> None:
     begun, sealed = tmp_path / "begun.p3d", tmp_path / "sealed.p3d"
     save_session(written, begun)
-    words = [
-        "--size",
-        "30",
-        "--at",
-        "0.7,0.3",
-        "--dip",
-        "always",
-        "--seal",
-        "一",
-        "--layer",
-        "over",
-    ]
+    words = ["--size", "30", "--at", "0.7,0.3", "--seal", "一", "--layer", "over"]
     assert main(["write", "丨", "--on", str(begun), "--out", str(sealed), *words, "--quiet"]) == 0
     document = Document.open(sealed)
     with pytest.raises(InputError, match="only the strokes of this painting are known"):
@@ -171,7 +163,7 @@ def test_what_the_command_line_added_to_it_is_carried(written: Session, tmp_path
         ({"dipped": {"TABLE:mine": 1.0}}, "an ink is of a table on this machine"),
         ({"dipped": None, "ink": "TABLE:mine"}, "an ink is of a table on this machine"),
         ({"dipped": None, "ink": 17}, "an ink is 17; expected weights by name"),
-        ({"amount": {"wetted": 0.4}}, "its dips take up another amount of ink"),
+        ({"amount": {"wetted": 4.0}}, "wetted share of the tuft"),
         ({"dips": [[SOOT, None], [RED, 0.3]]}, "another ink at the tip"),
     ],
 )
@@ -225,13 +217,57 @@ def test_a_page_that_only_shows_it_says_why(
             assert f"only shows the painting: {said}" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(browser_path() is None, reason="neither Chromium nor Chrome is installed")
-@pytest.mark.skipif(bool(why_no_kernels(KERNELS)), reason=why_no_kernels(KERNELS))
+WHY_NOT = why_no_kernels(KERNELS) or ("" if browser_path() else "no Chromium is installed")
+in_browser = pytest.mark.skipif(bool(WHY_NOT), reason=WHY_NOT)
+READY = "!!window.paint3d && document.getElementById('message').hidden"
+IDLE = f"{READY} && !document.getElementById('tools').inert"
+SHOWN = ("vertices", "srgb", "amounts")
+
+
+@pytest.fixture(scope="module")
+def built(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return built_page(tmp_path_factory.mktemp("built"))
+
+
+def on_the_desktop(browser: Browser, path: Path) -> dict[str, Any]:
+    """What the page's recording paints on the desktop, of what the page says of its own."""
+    path.write_text(browser.evaluate("paint3d.score()"), "utf-8")
+    score = load_score(path)
+    hashes = hashes_of(painted(score, load_mesh(score.header["object"])).surface)
+    return {name: hashes[name] for name in SHOWN}
+
+
+@in_browser
+def test_what_the_command_line_painted_is_gone_on_with_by_its_dips(
+    written: Session, built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(folder, "BUILT", built)
+    session, file = tmp_path / "a.p3d", tmp_path / "a.html"
+    save_session(written, session)
+    assert main(["export", str(session), str(file)]) == 0
+    ours = hashes_of(written.surface)
+    with opened(file.as_uri(), tmp_path / "profile", (960, 720)) as browser:
+        browser.wait_for(IDLE)
+        assert browser.evaluate("paint3d.hashes()") == {name: ours[name] for name in SHOWN}
+        browser.stroke([(300.0 + 6.0 * k, 400.0 + k, 0.2 + 0.005 * k) for k in range(60)])
+        found = browser.evaluate("paint3d.hashes()")
+        assert found["srgb"] != ours["srgb"]
+        assert found == on_the_desktop(browser, tmp_path / "page.score.jsonl")
+        browser.evaluate("document.getElementById('undo').click()")
+        browser.wait_for(f"(await paint3d.hashes()).srgb !== '{found['srgb']}'")
+        browser.stroke([(300.0 + 6.0 * k, 350.0 + k, 0.2 + 0.005 * k) for k in range(60)])
+        found = browser.evaluate("paint3d.hashes()")
+        assert found == on_the_desktop(browser, tmp_path / "page.score.jsonl")
+        assert '"do":"undo"' in (tmp_path / "page.score.jsonl").read_text("utf-8")
+        assert browser.complaints() == []
+
+
+@in_browser
 def test_it_is_opened_as_a_file_grows_and_is_painted_on_as_on_the_desktop(
-    painting: Session, tmp_path: Path, tmp_path_factory: pytest.TempPathFactory,
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+    painting: Session, built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:  # fmt: skip
-    monkeypatch.setattr(folder, "BUILT", built_page(tmp_path_factory.mktemp("built")))
+    monkeypatch.setattr(folder, "BUILT", built)
     session, file = tmp_path / "a.p3d", tmp_path / "a piece.html"
     save_session(painting, session)
     assert main(["export", str(session), str(file)]) == 0
@@ -240,39 +276,32 @@ def test_it_is_opened_as_a_file_grows_and_is_painted_on_as_on_the_desktop(
         1 for event in load_session(session).score.events  # type: ignore[union-attr]
         if not isinstance(event, Recording) and event["do"] == "begin_stroke"
     )  # fmt: skip
-    ready = "!!window.paint3d && document.getElementById('message').hidden"
-    idle = f"{ready} && !document.getElementById('tools').inert"
     replay = "document.getElementById('replay').click()"
     ours = hashes_of(painting.surface)
-    names = ("vertices", "srgb", "amounts")
     with opened("about:blank", tmp_path / "profile", (960, 720)) as browser:
         browser.call("Network.enable")
         browser.call("Page.navigate", url=file.as_uri())
-        browser.wait_for(idle)
-        assert browser.evaluate("paint3d.hashes()") == {name: ours[name] for name in names}
+        browser.wait_for(IDLE)
+        assert browser.evaluate("paint3d.hashes()") == {name: ours[name] for name in SHOWN}
         assert browser.evaluate("document.title") == "a piece"
         browser.evaluate("window.before = document.getElementById('replay'); before.click()")
         grows = "document.getElementById('replay') !== before"
-        browser.wait_for(f"{ready} && {grows} && document.getElementById('tools').inert")
+        browser.wait_for(f"{READY} && {grows} && document.getElementById('tools').inert")
         growing = browser.evaluate("paint3d.score()")
         browser.stroke([(400.0 + k, 300.0, 0.5) for k in range(9)])  # which waits, and is none
         browser.evaluate(replay)  # to its end
-        browser.wait_for(idle)
+        browser.wait_for(IDLE)
         whole = browser.evaluate("paint3d.score()")
         assert growing.count("begin_stroke") < whole.count("begin_stroke") == n_strokes
-        assert browser.evaluate("paint3d.hashes()") == {name: ours[name] for name in names}
+        assert browser.evaluate("paint3d.hashes()") == {name: ours[name] for name in SHOWN}
         browser.stroke([(400.0 + 3.0 * k, 300.0 + k, 0.2 + 0.005 * k) for k in range(60)], tiltX=20)
         found = browser.evaluate("paint3d.hashes()")
-        path = tmp_path / "page.score.jsonl"
-        path.write_text(browser.evaluate("paint3d.score()"), "utf-8")
-        score = load_score(path)
-        desktop = hashes_of(painted(score, load_mesh(score.header["object"])).surface)
         assert found["srgb"] != ours["srgb"]
-        assert found == {name: desktop[name] for name in names}
+        assert found == on_the_desktop(browser, tmp_path / "page.score.jsonl")
         browser.wait_for("paint3d.isKept")
         browser.call("Page.navigate", url=file.as_uri())
         browser.wait_for("document.readyState === 'complete'")
-        browser.wait_for(idle)
+        browser.wait_for(IDLE)
         assert browser.evaluate("paint3d.hashes()") == found  # kept by the browser
         asked = [one["params"]["request"]["url"] for one in browser.heard
                  if one.get("method") == "Network.requestWillBeSent"]  # fmt: skip

@@ -4,6 +4,7 @@ import { NDArray, type Records } from "../core/arrays";
 import type { Bundle } from "../core/bundle";
 import type { Argument, Kernels } from "../core/kernels";
 import type { Material } from "../colour/materials";
+import { RecordingError } from "../recording/recording";
 import { guessed } from "./shape_guess";
 
 export interface Tuft {
@@ -126,6 +127,20 @@ export interface DipAmount {
 }
 
 export const FULL_DIP: DipAmount = { wetted: 1.0, fullness: 1.0 };
+
+/** The amount that a score's dip says, where it says one; `line` is where. */
+export function readAmount(words: unknown, line: string): DipAmount | null {
+  if (words === undefined) return null;
+  const amount = { ...FULL_DIP, ...(words as object) };
+  const { wetted, fullness } = amount;
+  const isIn = (value: unknown, least: number, most: number): boolean =>
+    typeof value === "number" && value >= least && value <= most;
+  if (Object.keys(amount).length !== 2 || !isIn(wetted, 0.001, 1.0) || !isIn(fullness, 0.05, 3.0))
+    throw new RecordingError(
+      `${line}: a dip is ${JSON.stringify(words)}; expected wetted, .001 to 1, and fullness, .05 to 3`,
+    );
+  return amount;
+}
 
 /** A tuft with this load when full, and the matching rate of transfer. */
 export function amountOfTuft(amount: DipAmount, tuft: Tuft): Tuft {

@@ -1,7 +1,7 @@
 /** A painting in hand: strokes, undo, and the score that the desktop replays (`paint3d replay`). */
 
 import type { Kernels } from "../core/kernels";
-import { FULL_DIP, type Brush } from "../brush/brush";
+import { FULL_DIP, readAmount, type Brush, type DipAmount } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
 import type { Bundle } from "../core/bundle";
 import type { ObjectWords } from "../mesh/refined_mesh";
@@ -157,9 +157,9 @@ export class Document {
     this.#dipIn(studio, studio.partsOf(ink));
   }
 
-  #dipIn(studio: Studio, parts: Record<string, number>): void {
-    this.painter.dip(studio.mixture(parts));
-    this.#lines.push({ do: "dip", ink: parts });
+  #dipIn(studio: Studio, parts: Record<string, number>, amount: DipAmount | null = null): void {
+    this.painter.dip(studio.mixture(parts), null, amount);
+    this.#lines.push({ do: "dip", ink: parts, ...(amount === null ? {} : { amount }) });
   }
 
   /** Begin a stroke, or one that takes paint off with a full brush. */
@@ -204,16 +204,17 @@ export class Document {
     this.#giveBack = this.#eraser = null;
   }
 
-  /** Take the last step back; the brush, and its ink, stay those that were chosen last. */
+  /** Take the last step back; the brush, its ink and so much of it stay those that were chosen last. */
   undo(): void {
     const step = this.#steps.pop();
     if (step === undefined) return;
     this.#undone.push(this.#end());
-    const { brush, dipped } = this.painter;
+    const { brush, dipped, amount } = this.painter;
     this.#return(step);
-    if (this.painter.brush !== brush || !isSameInk(this.painter.dipped, dipped)) {
-      this.painter.changeBrush(brush);
-      this.painter.dip(dipped);
+    const now = this.painter;
+    if (now.brush !== brush || !isSameInk(now.dipped, dipped) || !isSameAmount(now.amount, amount)) {
+      now.changeBrush(brush);
+      now.dip(dipped, null, amount);
     }
     this.#lines.push({ do: "undo" });
   }
@@ -359,7 +360,10 @@ export class Document {
         waiting.push(sampleOf(line, row, held));
       }
       else if (row.do === "set_brush") this.setBrush(await studio.brush(row.brush as string));
-      else if (row.do === "dip") this.#dipIn(studio, row.ink as Record<string, number>);
+      else if (row.do === "dip") {
+        const parts = (row.ink as Record<string, number> | undefined) ?? this.dipped;
+        this.#dipIn(studio, parts, readAmount(row.amount, `line ${k + 1}`));
+      }
       else if (row.do === "begin_stroke") this.beginStroke(row.erase === true);
       else if (row.do === "end_stroke") {
         this.endStroke();
@@ -375,8 +379,13 @@ export class Document {
       else if (row.do === "lay_text") this.layText(readText(row.text, `line ${k + 1}`), row.number as number | undefined);
       else if (row.do === "remove_text") this.removeText(row.number as number);
       else if (LAYER_EDITS.has(String(row.do))) this.restack(row as unknown as LayerEdit);
-      else if (row.do === "follow_time")
+      else if (row.do === "follow_time") {
+        if (row.seconds !== PIECE_S)
+          throw new RecordingError(
+            `line ${k + 1}: its ink flows in steps of ${String(row.seconds)} s; in a page these are ${PIECE_S} s`,
+          );
         for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
+      }
       else throw new RecordingError(`line ${k + 1}: a page does not know ${String(row.do)}`);
       progress((k + 1) / lines.length);
     }
@@ -390,6 +399,10 @@ export class Document {
   score(): string {
     return `${this.#lines.map(textOf).join("\n")}\n`;
   }
+}
+
+function isSameAmount(one: DipAmount, two: DipAmount): boolean {
+  return one.wetted === two.wetted && one.fullness === two.fullness;
 }
 
 function isSameInk(one: Ink, two: Ink): boolean {

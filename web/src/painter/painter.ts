@@ -72,9 +72,16 @@ export class Painter {
 
   /**
    * Rinse the brush and load it with an ink; without one repeat the last dips, whole and tip. With
-   * a reach only this fraction of the tuft's length is dipped, from the tip.
+   * a reach only this fraction of the tuft's length is dipped, from the tip. An amount is how much
+   * ink the brush takes up from now on, of whole dips.
    */
-  dip(ink: Ink | null = null, reach: number | null = null): void {
+  dip(ink: Ink | null = null, reach: number | null = null, amount: DipAmount | null = null): void {
+    if (amount !== null && reach !== null)
+      throw new RangeError("an amount is said with a reach; expected it for a whole dip");
+    if (amount !== null) {
+      this.amount = amount;
+      this.tuft = this.#dippedTuft(this.brush);
+    }
     if (ink === null && reach === null && this.#dips.length > 1) {
       for (const [again, deep] of this.#dips) this.dip(again, deep);
       return;
