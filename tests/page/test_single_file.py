@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.score.playing import painted
@@ -294,6 +295,18 @@ def test_it_is_opened_as_a_file_grows_and_is_painted_on_as_on_the_desktop(
         whole = browser.evaluate("paint3d.score()")
         assert growing.count("begin_stroke") < whole.count("begin_stroke") == n_strokes
         assert browser.evaluate("paint3d.hashes()") == {name: ours[name] for name in SHOWN}
+        grown, anew = tmp_path / "grown.png", tmp_path / "anew.png"
+        browser.screenshot(grown)
+        browser.evaluate(
+            "window.lost = document.getElementById('canvas').getContext('webgl2')"
+            ".getExtension('WEBGL_lose_context'); lost.loseContext()"
+        )
+        browser.wait_for("!document.getElementById('message').hidden")
+        browser.evaluate("lost.restoreContext()")  # for which the picture is told whole
+        browser.wait_for(IDLE)
+        browser.evaluate("paint3d.hashes()")
+        browser.screenshot(anew)
+        assert np.array_equal(*(np.asarray(Image.open(one))[60:680] for one in (grown, anew)))
         browser.stroke([(400.0 + 3.0 * k, 300.0 + k, 0.2 + 0.005 * k) for k in range(60)], tiltX=20)
         found = browser.evaluate("paint3d.hashes()")
         assert found["srgb"] != ours["srgb"]

@@ -33,7 +33,7 @@ export class PictureFeed {
   /** What has changed since this was last asked. */
   change(): PictureChange {
     const { surface } = this.document;
-    const changed = surface.refresh();
+    let [low, high] = surface.takeChanged();
     const { paintMesh: mesh, codes } = surface;
     const field = mesh.arrays;
     if (mesh.capacity !== this.#capacity) {
@@ -43,11 +43,7 @@ export class PictureFeed {
     const [first, n] = [this.#known, mesh.nVertices];
     this.#known = n;
     this.#letLightIn(n);
-    let [low, high] = n > first ? [first, n] : [n, 0];
-    for (const id of changed) {
-      if (id < low) low = id;
-      if (id >= high) high = id + 1;
-    }
+    if (n > first) [low, high] = [Math.min(low, first), n];
     const nodes = mesh.refines ? Number(field.counts.data[1]) : 0;
     const isRefined = nodes !== this.#nodes;
     this.#nodes = nodes;
@@ -56,7 +52,7 @@ export class PictureFeed {
       first,
       axes: AXES.map((name) => field[name].data.slice(first, n)),
       openness: this.#openness.slice(first, n),
-      low,
+      low: Math.min(low, n),
       codes: high > low ? codes.data.slice(3 * low, 3 * high) : new Uint8Array(),
       faces: isRefined ? mesh.leafFaces().slice() : null,
     };

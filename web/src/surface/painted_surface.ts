@@ -65,6 +65,7 @@ export class PaintedSurface {
   #colours: ColourModel | null = null;
   #glaze: GlazeModel | null = null;
   #looksOtherwise = false;
+  #changed: [number, number] = [Infinity, 0]; // of `takeChanged`
 
   constructor(
     private readonly kernels: Kernels,
@@ -218,13 +219,13 @@ export class PaintedSurface {
     return wider;
   }
 
-  /** Bring colours up to date; the vertices that may have changed. */
-  refresh(): Int32Array {
+  /** Bring colours up to date. */
+  refresh(): void {
     this.#knowVertices();
     const { n_dirty, dirty, dirty_ids } = this.ink;
     const fresh = dirty_ids.data.slice(0, Number(n_dirty.data[0]));
     const [colours, glaze] = [this.#colours, this.#glaze];
-    if (colours === null || glaze === null) return fresh;
+    if (colours === null || glaze === null) return;
     let seen = fresh;
     if (this.#looksOtherwise) {
       const coverage = this.ink.coverage.data;
@@ -244,7 +245,20 @@ export class PaintedSurface {
       for (const id of fresh) marks[id] = 0;
       n_dirty.data[0] = 0n;
     }
-    return seen;
+    let [low, high] = this.#changed;
+    for (const id of seen) {
+      if (id < low) low = id;
+      if (id >= high) high = id + 1;
+    }
+    this.#changed = [low, high];
+  }
+
+  /** The same; among which vertices, first and one past the last, colours may have changed since this was last asked. */
+  takeChanged(): [number, number] {
+    this.refresh();
+    const changed = this.#changed;
+    this.#changed = [Infinity, 0];
+    return changed;
   }
 
   /** Interpolate the object's own colours at vertices that were added since. */
