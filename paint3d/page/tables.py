@@ -46,6 +46,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.page.shape_guess import differences
 from paint3d.painter.bristle_state import HairTuft
 from paint3d.surface.pores import fibre_frames, mobility_of, sieve_of
+from paint3d.view.studio import Gloss
 
 __all__ = ["Table", "brush_table", "common_table", "material_table", "object_table"]
 
@@ -190,6 +191,7 @@ def material_table(material: Material, pigments: Sequence[Pigment]) -> Table:
         "uptake": material.uptake,
         "friction": material.friction,
         "seen_roughness": material.seen_roughness,
+        "paper": Gloss.of(material).paper,
         "pores_mm": material.pores_mm,
         "residual": material.residual,
         "advance": material.advance,

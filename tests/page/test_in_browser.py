@@ -1242,6 +1242,22 @@ def test_fingers_paint_turn_and_zoom_and_a_pen_is_told_from_its_palm(
         browser.call("Emulation.setTouchEmulationEnabled", enabled=False)
 
 
+def test_a_sheet_shows_its_paper_and_porcelain_none(browser: Browser, tmp_path: Path) -> None:
+    begin_with(browser, SHEET)
+    names = browser.evaluate("[...document.getElementById('material').options].map(o => o.text)")
+    steps = {}
+    for place, name in enumerate(names):
+        browser.evaluate("window.before = document.getElementById('object'); 0")
+        choose(browser, "material", place)
+        browser.wait_for(f"document.getElementById('object') !== window.before && {OPEN}")
+        settled(browser)
+        shown = picture(browser, tmp_path / f"{name}.png")[300:500, 350:600]
+        steps[name] = np.abs(np.diff(shown)).mean()
+        assert np.ptp(shown) < 20.0
+    assert 0.2 < steps["xuan"] < 1.5
+    assert steps["porcelain"] < 0.1
+
+
 def test_a_picture_that_the_browser_has_lost_is_there_again(
     browser: Browser, tmp_path: Path
 ) -> None:

@@ -10,6 +10,7 @@ export interface Material {
   uptake: number;
   friction: number;
   seen_roughness: number;
+  paper: number; // how much of its clouds and fibres is seen
   pores_mm: number;
   residual: number;
   advance: number;

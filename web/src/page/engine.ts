@@ -18,6 +18,7 @@ import { Hand, type HandSettings, type PointerInput } from "./hand";
 import { Pacing } from "./pacing";
 import { PictureFeed, type PictureChange } from "./picture_feed";
 import type { CutSeal } from "./seal_list";
+import type { Gloss } from "./stage";
 
 const MOST_BEHIND_MS = 200; // of wet ink's time, that is caught up with
 const WRITTEN_FASTER = 3.0; // than the planned hand goes
@@ -57,7 +58,7 @@ export interface State {
 export interface Piece {
   mesh: string; // digest
   material: string;
-  roughness: number;
+  gloss: Gloss;
   isPorous: boolean;
   nBaseVertices: number;
 }
@@ -117,7 +118,7 @@ export class Engine {
     return {
       mesh: surface.object.words.mesh,
       material: surface.material.name,
-      roughness: surface.material.seen_roughness,
+      gloss: { roughness: surface.material.seen_roughness, paper: surface.material.paper },
       isPorous: surface.material.pores_mm > 0.0,
       nBaseVertices: surface.paintMesh.nBaseVertices,
     };

@@ -443,7 +443,7 @@ class Page {
   }
 
   /** See an object from where it is painted best. */
-  #show({ nBaseVertices: n, roughness }: Piece, picture: PictureChange): void {
+  #show({ nBaseVertices: n, gloss }: Piece, picture: PictureChange): void {
     const [x, y, z] = picture.axes.map((axis) => axis.subarray(0, n));
     const [middle, radius] = ballAround(x, y, z, n);
     let [low, high] = [Infinity, -Infinity];
@@ -453,7 +453,7 @@ class Page {
     for (let i = 0; i < n; i += Math.ceil(n / SEEN)) points.push([x[i], y[i], z[i]]);
     this.#camera = new Camera(middle, radius, flat, points);
     this.#isMoved = false;
-    this.#stage.open([x, y, z], roughness, flat);
+    this.#stage.open([x, y, z], gloss, flat);
     this.#stage.guide({ outlines: new Float32Array(), grid: new Float32Array() });
     this.#changes = [picture];
   }

@@ -3,6 +3,7 @@
 import type { Vector } from "../core/quaternion";
 import type { Camera } from "./camera";
 import type { Guides } from "./copybook";
+import { PAPER, paperTile, TILE_PIXELS } from "./paper";
 import { AXES, type PictureChange } from "./picture_feed";
 
 // The sky is white above, greyer at the horizon, and the table below throws a little light back. A
@@ -36,13 +37,13 @@ void main() {
 const FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 place; in vec3 normal; in vec3 code; in float open;
-uniform vec3 eye; uniform float roughness; uniform float flatness;
+uniform vec3 eye; uniform float roughness; uniform float flatness; uniform float felted;
 out vec4 shown;
-${LIGHT}
+${LIGHT}${PAPER}
 void main() {
   vec3 n = normalize(normal), v = normalize(eye - place);
   if (dot(n, v) < 0.0 && !gl_FrontFacing) n = -n;
-  vec3 paint = decoded(code);
+  vec3 paint = decoded(code) * paper(place, felted);
   float seen = open / (1.0 - 0.72 * (1.0 - open));  // light that white walls throw back comes again
   float soft = max(0.0, dot(n, LAMP)) * smoothstep(0.1, 0.9, open);
   vec3 round = paint * (0.86 * seen * (0.80 + 0.20 * n.z) + 0.24 * soft);
@@ -95,6 +96,12 @@ void main() {
   shown = vec4(vec3(0.0), dark);
 }`;
 
+/** How a material looks, beside its colour. */
+export interface Gloss {
+  roughness: number;
+  paper: number; // how much of its clouds and fibres is seen; 1 for raw xuan, 0 where it is none
+}
+
 /** A browser that cannot show the object. */
 export class StageError extends Error {
   override name = "StageError";
@@ -113,6 +120,8 @@ export class Stage {
   #capacity = 0;
   #corners = 0;
   #roughness = 1.0;
+  #paper = 0.0; // how much of it is seen
+  #tile: { texture: WebGLTexture; isPaper: boolean } | null = null;
   #foot: { middle: Vector; half: [number, number]; round: number; margin: number; depth: number } =
     { middle: [0, 0, 0], half: [1, 1], round: 1, margin: 1, depth: 0 }; // prettier-ignore
   flat = false;
@@ -140,11 +149,12 @@ export class Stage {
     this.#array = this.#groundArray = null;
     this.#guides = [];
     this.#capacity = this.#corners = 0;
+    this.#tile = null;
     this.guide(this.#guided);
   }
 
   /** Show another painting, of which a whole picture comes; `places`: x, y and z of its object's vertices. */
-  open(places: readonly Float32Array[], roughness: number, flat: boolean): void {
+  open(places: readonly Float32Array[], { roughness, paper }: Gloss, flat: boolean): void {
     const gl = this.#gl;
     for (const buffer of Object.values(this.#buffers)) gl.deleteBuffer(buffer);
     if (this.#array !== null) gl.deleteVertexArray(this.#array);
@@ -152,6 +162,7 @@ export class Stage {
     this.#array = null;
     this.#capacity = this.#corners = 0;
     this.#roughness = roughness;
+    this.#paper = paper;
     this.flat = flat;
     this.#place(places);
   }
@@ -270,10 +281,28 @@ export class Stage {
     gl.uniform3fv(at("eye"), camera.eye);
     gl.uniform1f(at("roughness"), this.#roughness);
     gl.uniform1f(at("flatness"), Number(this.flat));
+    gl.uniform1f(at("felted"), this.#paper);
+    gl.bindTexture(gl.TEXTURE_2D, this.#paperTexture());
     gl.bindVertexArray(this.#array);
     gl.drawElements(gl.TRIANGLES, this.#corners, gl.UNSIGNED_INT, 0);
     if (withGuides) this.#drawGuides(view);
     gl.bindVertexArray(null);
+  }
+
+  /** The tile of paper; where none is seen one pixel, as a shader wants a texture in any case. */
+  #paperTexture(): WebGLTexture {
+    const gl = this.#gl;
+    const isPaper = this.#paper > 0.0;
+    if (this.#tile !== null && (this.#tile.isPaper || !isPaper)) return this.#tile.texture;
+    const [pixels, size] = isPaper ? [paperTile(), TILE_PIXELS] : [Uint8Array.of(128), 1];
+    const texture = this.#tile?.texture ?? gl.createTexture();
+    gl.bindTexture(gl.TEXTURE_2D, texture); // it repeats by itself
+    gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, size, size, 0, gl.RED, gl.UNSIGNED_BYTE, pixels);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
+    this.#tile = { texture, isPaper };
+    return texture;
   }
 
   #drawGuides(view: Float32Array): void {
