@@ -156,7 +156,7 @@ SCORES: dict[str, list[Any]] = {
         SOOT_AGAIN | {"amount": LITTLE}, (0, 0), RED, (2, -3),
         {"do": "dip", "amount": {"fullness": 2}}, (1, -5), {"do": "undo"}, (1, -6),
         {"do": "dip", "amount": LITTLE}, ("erase", 3, -4), {"do": "undo"}, {"do": "undo"},
-        {"do": "redo"}, {"do": "set_brush", "brush": "full"}, (0, -9),
+        {"do": "redo"}, {"do": "undo"}, (2, -8), {"do": "set_brush", "brush": "full"}, (0, -9),
     ],
     "a brush that runs dry, taken back": [
         (0, 0), (0, -2), (0, -4), {"do": "undo"}, {"do": "undo"}, (0, -5), {"do": "undo"},
