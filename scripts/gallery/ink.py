@@ -3,14 +3,14 @@
 
 Usage: python scripts/gallery/ink.py [NAME ...] [--out FOLDER]
 
-flowers        ink flowers and a branch on a vase wrapped in xuan, tip dark and belly light
-wet_in_wet     drops into wet washes, on xuan, and the same on paint that has dried
+flowers        plum blossom on a vase wrapped in xuan: a dry trunk, petals by one dab each
+wet_in_wet     ink, carmine and water touched into wet washes, and the same on dried ones
 feathering     the same strokes on raw xuan, on bisque and on glaze, a minute later
 vermilion      four characters in cinnabar on a bowl of dried soot
 bloom          five tones of one ink spread on raw xuan; water into half-dry washes; a later stroke
                beside an earlier one
 lotus          a lotus leaf in broken ink with backruns, and a bud
-petals         tip dark in a light belly: petals by one side-laid stroke each, solid and with hairs
+petals         tip dark in a light belly: bamboo, a leaf by one stroke, solid and with hairs
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import CubicSpline, PchipInterpolator
 
 import paint3d
 from paint3d.brush.presets import load_brush
@@ -87,79 +87,112 @@ def draw(surface: PaintedSurface, path: Path, size=(1400, 1050), view=None, glos
     render_picture(*arrays, path, size=size, view=view, gloss=gloss)
 
 
-def petal(chart, painter, centre, turn, length, width=0.4) -> None:
-    """One petal: the brush laid down across it, tip outwards, and drawn to the heart."""
-    out = np.array([np.cos(turn), np.sin(turn)])
-    ends = centre + out * np.array([[length], [0.25 * length]])
-    way = np.linspace(ends[0], ends[1], 12)
-    press = width * np.sin(np.pi * np.linspace(0.12, 0.95, 12)) ** 0.7
-    painter.replay(stroke(chart, way, press, np.full(12, turn)))
+def hand(
+    chart: SurfaceChart, painter: Painter, knots, aside=0.0, speed: float = 80.0, wet: bool = True
+) -> None:
+    """Paint one stroke of a living hand through knots: rows of x, y (mm) and pressure.
 
+    It is slow where it enters, turns and leaves, fast (mm/s) between, and trembles. The tuft
+    trails, or lies `aside` of that by angles (rad) along the way. `wet`: ink spreads meanwhile.
+    """
+    knots = np.asarray(knots, float)
+    random = np.random.default_rng(int(1e3 * np.abs(knots).sum()))
+    ends = np.r_[0.0, np.cumsum(np.hypot(*np.diff(knots[:, :2], axis=0).T))]
+    s = np.linspace(0.0, ends[-1], max(24, int(4.0 * ends[-1])))
+    xy = CubicSpline(ends, knots[:, :2])(s)
+    heading = np.unwrap(np.arctan2(*np.gradient(xy, s, axis=0).T[::-1]))
+    v = speed * (0.3 + 0.7 * np.sin(np.pi * np.linspace(0.0, 1.0, len(s))).clip(0.0) ** 0.7)
+    v /= 1.0 + 6.0 * np.abs(np.gradient(heading, s))
+    time = np.r_[0.0, np.cumsum(np.diff(s) / (0.5 * (v[1:] + v[:-1])))]
+    t = np.arange(0.0, time[-1], 1.0 / RATE)
+    at = np.interp(t, time, s)
+    turn = np.interp(at, s, heading)
 
-def flower(chart, painter, centre, size, turn) -> None:
-    """Five petals in light ink with a red tip, then stamens."""
-    for k in range(5):
-        painter.dip({"carmine": 0.006, "water": 0.994})
-        painter.dip({"carmine": 0.12, "water": 0.88}, reach=0.2)
-        petal(chart, painter, np.asarray(centre), turn + k * 2 * np.pi / 5, size)
+    def tremor(*periods: float) -> NDArray:
+        return sum(np.sin(2.0 * np.pi * (t / period + random.random())) for period in periods)
 
-
-def line(chart, painter, points, press) -> None:
-    """A branch: a stroke through points."""
-    painter.replay(stroke(chart, np.asarray(points, float), np.asarray(press, float)))
-
-
-def twig(chart, painter, points, press, kept, brush: str = "full") -> None:
-    """A bent twig through points, lifted over discs (x, y, radius) that are kept for blossoms."""
-    knots = np.asarray(points, float)
-    t = np.linspace(0.0, 1.0, 120)
-    way = CubicSpline(np.linspace(0.0, 1.0, len(knots)), knots)(t)
-    way += 0.012 * np.ptp(knots) * np.column_stack([np.sin(23.0 * t), np.sin(17.0 * t)])
-    pressures = np.interp(t, np.linspace(0.0, 1.0, len(press)), press)
-    pressures *= 1.0 + 0.12 * np.sin(31.0 * t)
-    discs = np.asarray(kept, float).reshape(-1, 3)
-    away = np.linalg.norm(way[:, None] - discs[:, :2], axis=2)
-    free = (away > discs[:, 2]).all(axis=1)
-    ends = np.flatnonzero(np.diff(np.r_[False, free, False]))
-    for first, last in ends.reshape(-1, 2):
-        if last - first > 5:
-            painter.replay(stroke(chart, way[first:last], pressures[first:last], brush=brush))
+    way = np.column_stack([np.interp(at, s, c) for c in xy.T])
+    way += 0.1 * tremor(0.31, 0.17)[:, None] * np.column_stack([-np.sin(turn), np.cos(turn)])
+    press = PchipInterpolator(ends, knots[:, 2])(at) * (1.0 + 0.06 * tremor(0.9, 0.5, 0.23))
+    aside = np.atleast_1d(aside)
+    lie = turn + np.pi + np.interp(at, np.linspace(0.0, ends[-1], len(aside)), aside)
+    points, normals = chart.points(way), chart.normals(way)
+    along = chart.points(way + 0.5 * np.column_stack([np.cos(lie), np.sin(lie)])) - points
+    painter.replay(_held(points, normals, along, press.clip(0.0, 1.0), painter.brush), wet=wet)
 
 
 def flowers(folder: Path) -> None:
     """Plum blossom on a vase wrapped in xuan."""
     mesh = load_mesh("vase")
     mesh = TriangleMesh(mesh.vertices * np.float32(0.5), mesh.faces, name="vase")
-    surface = PaintedSurface(mesh, 0.22, "xuan")
+    surface, random = PaintedSurface(mesh, 0.22, "xuan"), np.random.default_rng(3)
     chart = make_chart(ClosestPoints(mesh), place(ClosestPoints(mesh), (0.5, 0.56)), 52.0, 88.0)
-    blossoms = (
-        ((19, 47), 15, 0.3), ((-31, 44), 13, 1.1), ((-3, 6), 15, 0.7), ((36, 16), 12, 0.1),
-        ((-36, -20), 13, 0.5), ((3, 76), 10, 0.9),
-    )  # fmt: skip
-    kept = [(*centre, 0.66 * size) for centre, size, _ in blossoms]
-    painter = Painter(surface, "full", {"pine soot": 0.15, "water": 0.85})
-    for points, press in (
-        ([(-40, -82), (-26, -50), (-22, -20), (-6, 2), (6, 26), (4, 64)],
-         [0.12, 0.26, 0.2, 0.17, 0.12, 0.03]),
-        ([(-23, -24), (-29, 4), (-23, 32), (-31, 62)], [0.16, 0.11, 0.09, 0.02]),
-        ([(2, 16), (20, 24), (30, 40), (34, 60)], [0.13, 0.1, 0.07, 0.02]),
+    old = Painter(surface, "full", "burnt", hairs=800)
+    for knots, dryness in (
+        ([(-46, -84, 0.3), (-37, -68, 0.24), (-36, -52, 0.32), (-20, -31, 0.2),
+        (-15, -16, 0.24)], 0.9),
+        ([(-16, -12, 0.16), (-21, 8, 0.1), (-6, 24, 0.13), (2, 36, 0.05)], 0.85),
     ):  # fmt: skip
-        painter.dip({"pine soot": 0.15, "water": 0.85})
-        painter.dip("pine soot", reach=0.4)
-        twig(chart, painter, points, press, kept)
-    surface.diffuse(4.0)
+        old.dip("heavy")
+        old.dip("burnt", reach=0.3)
+        old.wipe(dryness)
+        hand(chart, old, knots, 0.5, 70.0, wet=False)
+    fine = Painter(surface, "langhao", "thick")
+    for knots in (
+        [(2, 38, 0.16), (9, 52, 0.08), (7, 66, 0.1), (13, 84, 0.01)],
+        [(-30, -44, 0.22), (-40, -26, 0.1), (-38, -8, 0.14), (-46, 14, 0.01)],
+        [(-12, -14, 0.22), (6, -8, 0.12), (15, 4, 0.16), (36, 10, 0.08), (46, 24, 0.01)],
+        [(-22, 10, 0.14), (-30, 24, 0.08), (-27, 40, 0.01)],
+        [(16, 5, 0.12), (20, 18, 0.06), (30, 30, 0.01)],
+    ):
+        fine.dip("thick")
+        fine.wipe(0.3)
+        hand(chart, fine, knots, speed=110.0, wet=False)
+    surface.diffuse(3.0)
     surface.dry()
-    for centre, size, turn in blossoms:
-        flower(chart, painter, centre, 0.8 * size, turn)
-        surface.diffuse(1.5)
+    rose = Painter(surface, "zhongbaiyun", "clear", amount=DipAmount(fullness=0.3))
+    blossoms = (
+        (14, 22, 11, 0.3, 0.95, 5), (-28, 49, 10, 1.3, 0.8, 5), (30, -2, 9, -0.4, 0.6, 4),
+        (-4, 4, 9, 2.0, 0.9, 5), (15, 68, 8, 0.9, 0.55, 3),
+    )  # fmt: skip
+
+    def dab(x: float, y: float, out: NDArray, dark: float, press: float, aside) -> None:
+        """A petal or bud: the tip, in dark, laid outwards from its heart, and turned."""
+        rose.dip({"carmine": 0.1 * dark, "water": 1.0 - 0.1 * dark})
+        rose.dip({"carmine": dark, "water": 1.0 - dark}, reach=0.17)
+        way = np.add((x, y), np.outer([0.7, 0.55, 0.35], out))
+        hand(chart, rose, np.c_[way, press * np.array([0.3, 1.0, 0.2])], aside, 30.0, wet=False)
+
+    for x, y, size, turn, flat, n in blossoms:
+        c, s = np.cos(turn), np.sin(turn)
+        for k in range(n):
+            angle = k * 2.0 * np.pi / 5.0 + random.normal(0.0, 0.12)
+            out = np.array([[c, -s], [s, c]]) @ [np.cos(angle), flat * np.sin(angle)]
+            press = np.hypot(*out) * random.uniform(0.24, 0.34)
+            out *= size * random.uniform(0.9, 1.1)
+            dab(x, y, out, random.uniform(0.06, 0.2), press, [-0.6, 0.6])
+        surface.diffuse(1.0)
+    for x, y, turn in (
+        (-44, 9, 1.7), (-41, -16, 2.6), (45, 20, 0.6), (31, 32, 1.0), (9, 79, 2.2), (28, 26, 0.1),
+    ):  # fmt: skip
+        out = 5.0 * np.array([np.cos(turn), np.sin(turn)])
+        dab(x, y, out, 0.4, random.uniform(0.12, 0.2), 0.2)
     surface.diffuse(8.0)
     surface.dry()
-    stamens = Painter(surface, "full", "pine soot")
-    for centre, _, _ in blossoms:
-        for k in range(7):
-            out = np.array([np.cos(k * 0.9), np.sin(k * 0.9)])
-            way = np.asarray(centre) + out * np.linspace(0.8, 5.2, 5)[:, None]
-            stamens.replay(stroke(chart, way, np.array([0.012, 0.008, 0.006, 0.012, 0.02])))
+    for x, y, size, turn, flat, n in blossoms:
+        fine.dip("thick")
+        for angle in turn + np.linspace(0.2, 1.25 * n, 4 + n // 2):
+            angle += random.normal(0.0, 0.2)
+            out = size * random.uniform(0.25, 0.5) * np.array([np.cos(angle), flat * np.sin(angle)])
+            way = np.array([x, y]) + np.outer([0.15, 0.6, 1.0, 1.08], out)
+            hand(chart, fine, np.c_[way, [0.05, 0.02, 0.05, 0.14]], wet=False)
+    fine.dip("burnt")
+    for x, y in (
+        (-40, -62), (-38, -59), (-31, -50), (-30, -38), (-25, -33), (-11, -16), (-22, 3), (-8, 27),
+    ):  # fmt: skip
+        away_x, away_y = random.normal((1.0, 0.5), 1.0)
+        dot = [(x, y, 0.04), (x + away_x / 2, y + away_y / 2, 0.3), (x + away_x, y + away_y, 0.02)]
+        hand(chart, fine, dot, wet=False)
     draw(surface, folder / "ink_flowers.png", (1100, 1400))
 
 
@@ -204,22 +237,48 @@ def drop(
 
 
 def wet_in_wet(folder: Path) -> None:
-    """Washes of indigo and gamboge with drops: left while wet, right when dry."""
-    mesh = sheet(150.0, 70.0)
-    surface = PaintedSurface(mesh, 0.5, "xuan")
-    surface.refine_all()
-    for x, dries in ((-37.0, False), (37.0, True)):
-        drop(surface, (x - 11, 2), 17.0, {"indigo": 0.12, "water": 1.1}, even=True)
-        drop(surface, (x + 13, -4), 15.0, {"gamboge": 0.4, "water": 1.1}, even=True)
+    """A fruit in gamboge before one in indigo, touched again: left while wet, right when dry."""
+    mesh = sheet(170.0, 86.0)
+    surface, chart = PaintedSurface(mesh, 0.4, "xuan"), sheet_chart(mesh)
+    wash = Painter(surface, "yanghao", "water", amount=DipAmount(fullness=0.4))
+    touch = Painter(surface, "zhongbaiyun", "water", amount=DipAmount(fullness=0.5))
+    fine = Painter(surface, "langhao", "thick")
+    for x, dries in ((-43.0, False), (43.0, True)):
+        for dx, dy, ink, halves in (
+            (-13, 3, {"indigo": 0.3, "water": 0.7}, ((1.9, 5.0), (1.5, -1.1))),
+            (10, -8, {"gamboge": 0.6, "water": 0.4}, ((1.8, 4.9), (1.3, -1.3))),
+        ):
+            for first, last in halves:  # round its heart, the tip along the border
+                turns = np.linspace(first, last, 6)
+                way = np.column_stack([1.25 * np.cos(turns), np.sin(turns)]) * -4.0
+                wash.dip(ink)
+                lie = np.sign(first - last) * np.pi / 2.0
+                press = 0.3 * np.array([0.5, 0.95, 1.0, 0.97, 0.9, 0.4])
+                hand(chart, wash, np.c_[np.add(way, (x + dx, dy)), press], lie, 50.0)
+        surface.diffuse(2.0)
         if dries:
-            surface.diffuse(2.0)
             surface.dry()
-        drop(surface, (x - 14, 6), 3.5, {"pine soot": 0.5, "water": 2.7})
-        drop(surface, (x + 1, 0), 3.0, {"carmine": 0.8, "water": 2.0})
-        drop(surface, (x + 16, -8), 3.0, {"water": 5.0})
-        surface.diffuse(6.0)
+        for painter, ink, strokes in (
+            (touch, {"carmine": 0.2, "water": 0.8}, [
+                [(18, -2, 0.01), (23, -6, 0.14), (22, -14, 0.005)],
+            ]),
+            (fine, "thick", [
+                [(8, 0, 0.2), (2, 3, 0.3), (-4, 0, 0.01)],
+                [(10, 0, 0.2), (15, 2, 0.26), (18, -1, 0.01)],
+                [(8, -1, 0.2), (7, -4, 0.26), (9, -9, 0.01)],
+                [(10, 1, 0.25), (12, 7, 0.16), (10, 15, 0.3)],
+                [(-15, 12, 0.2), (-21, 10, 0.4), (-25, 5, 0.01)],
+                [(-13, 12, 0.2), (-9, 11, 0.3), (-6, 7, 0.01)],
+                [(-14, 13, 0.4), (-11, 22, 0.16), (-15, 33, 0.28)],
+            ]),
+            (wash, "water", [[(-27, -1, 0.02), (-26, -6, 0.16), (-21, -11, 0.01)]]),
+        ):  # fmt: skip
+            for knots in strokes:
+                painter.dip(ink)
+                hand(chart, painter, np.add(knots, (x, 0.0, 0.0)))
+        surface.diffuse(20.0)
         surface.dry()
-    draw(surface, folder / "wet_in_wet.png", (1500, 760))
+    draw(surface, folder / "wet_in_wet.png", (1500, 800))
 
 
 def feathering(folder: Path) -> None:
@@ -277,127 +336,164 @@ def vermilion(folder: Path) -> None:
 
 
 def petals(folder: Path) -> None:
-    """Two petals and a leaf of bamboo by one stroke each: by a solid tuft, and by 1,000 hairs."""
-    mesh = sheet(150.0, 56.0)
-    surface, chart = PaintedSurface(mesh, 0.2, "xuan"), sheet_chart(mesh)
-    t = np.linspace(0.0, 1.0, 40)
-    press = 0.5 * np.sin(np.pi * t) ** 0.6
-    some = DipAmount(fullness=0.12)  # wiped on the dish: what is full paints black all over
-    for x, hairs in ((-37.0, 0), (37.0, 1_000)):
-        painter = Painter(surface, "full", "clear", hairs=hairs, amount=some)
-        for at, belly, tip in (
-            (-23.0, {"carmine": 0.04, "water": 0.96}, {"carmine": 0.8, "water": 0.2}),
-            (2.0, "clear", "thick"),
+    """A spray of bamboo, a leaf by one stroke: by a solid tuft, and by 1,000 hairs."""
+    mesh = sheet(170.0, 80.0)
+    surface, chart = PaintedSurface(mesh, 0.25, "xuan"), sheet_chart(mesh)
+    for x, hairs in ((-41.0, 0), (40.0, 1_000)):
+        painter = Painter(surface, "full", "light", hairs=hairs, amount=DipAmount(fullness=0.14))
+        twig = Painter(surface, "langhao", "heavy", hairs=hairs // 4)
+        for knots in (
+            [(-38, 33, 0.12), (-24, 29, 0.07), (-13, 22, 0.14)],
+            [(-12, 21, 0.14), (2, 15, 0.06), (14, 5, 0.1)],
+            [(-14, 20, 0.1), (-16, 14, 0.03), (-20, 9, 0.02)],
         ):
-            turn = np.radians(115.0 - 50.0 * t)
-            out = np.column_stack([np.cos(turn), np.sin(turn)])
-            painter.dip(belly)
-            painter.dip(tip, reach=0.3)
-            way = np.array([x + at, -16.0]) + out * 14.0
-            painter.replay(stroke(chart, way, press, turn))
-        painter.dip("clear")
-        painter.dip("thick", reach=0.3)
-        way = np.column_stack([x + 20.0 + 4.0 * np.sin(np.pi * t), 20.0 - 40.0 * t])
-        painter.replay(stroke(chart, way, 0.6 * press, 0.0 * t))
-    draw(surface, folder / "petals.png", (1500, 560))
+            twig.dip("thick")
+            twig.wipe(0.4)
+            hand(chart, twig, np.add(knots, (x, 0.0, 0.0)), speed=100.0, wet=False)
+        for at_x, at_y, turn, long, press, tip in (
+            (-21, 8, -120, 27, 0.2, "heavy"), (-20, 8, -92, 36, 0.28, "burnt"),
+            (-19, 9, -62, 22, 0.16, "burnt"), (14, 4, -134, 33, 0.24, "burnt"),
+            (15, 3, -101, 40, 0.32, "burnt"), (16, 4, -60, 34, 0.25, "thick"),
+            (16, 6, -14, 24, 0.18, "light"), (-5, 18, 22, 26, 0.2, "heavy"),
+        ):  # fmt: skip
+            painter.dip("clear")
+            painter.dip(tip, reach=0.17)
+            way = np.radians(turn) + np.array([0.12, 0.06, 0.0, -0.05, -0.1])
+            away = long * np.array([0.0, 0.15, 0.4, 0.75, 1.0])
+            knots = np.column_stack([x + at_x + away * np.cos(way), at_y + away * np.sin(way)])
+            hand(
+                chart,
+                painter,
+                np.c_[knots, press * np.array([0.08, 0.6, 1.0, 0.5, 0.01])],
+                0.35,
+                110.0,
+            )
+    surface.diffuse(2.0)
+    surface.dry()
+    draw(surface, folder / "petals.png", (1500, 760))
 
 
 def bloom(folder: Path) -> None:
     """Drops of the five tones, what water does to half-dry washes, and a line of glue."""
-    mesh = sheet(150.0, 96.0)
-    surface = PaintedSurface(mesh, 0.25, "xuan")
+    mesh = sheet(170.0, 104.0)
+    surface, chart = PaintedSurface(mesh, 0.3, "xuan"), sheet_chart(mesh)
     surface.refine_all()
-    for k, share in enumerate((1.0, 0.25, 0.15, 0.09, 0.04)):
-        soot = {"pine soot": 2.6 * share, "water": 2.6 * (1.0 - share)}
-        drop(surface, (-56 + 28 * k, 28), 5.0, soot)
-    wash = {"pine soot": 0.16, "water": 1.6}
-    drop(surface, (-48, -20), 11.0, wash, even=True)
-    drop(surface, (-4, -20), 11.0, wash, even=True)
-    drop(surface, (36, -20), 9.0, {"pine soot": 0.2, "water": 1.4}, even=True)
+    for x, y, radius, tone in (
+        (-66, 31, 5.4, 1.0), (-37, 37, 4.2, 0.25), (-8, 29, 5.6, 0.15), (26, 35, 4.6, 0.09),
+        (58, 28, 5.8, 0.04), (-57, 39, 1.1, 1.0), (-29, 32, 0.7, 0.25), (3, 39, 1.2, 0.15),
+        (35, 41, 1.0, 0.09),
+    ):  # fmt: skip
+        drop(surface, (x, y), radius, {"pine soot": 2.6 * tone, "water": 2.6 * (1.0 - tone)})
+    wash = Painter(surface, "yanghao", "light", amount=DipAmount(fullness=0.5))
+    touch = Painter(surface, "zhongbaiyun", "water")
+    for knots in (
+        [(-75, -6, 0.2), (-68, -9, 0.34), (-48, -7, 0.3), (-39, -10, 0.08)],
+        [(-39, -17, 0.18), (-46, -19, 0.36), (-64, -17, 0.3), (-75, -21, 0.06)],
+        [(-70, -28, 0.2), (-63, -30, 0.3), (-50, -27, 0.26), (-40, -30, 0.04)],
+        [(-19, -8, 0.2), (-13, -9, 0.32), (8, -6, 0.3), (21, -8, 0.06)],
+        [(20, -17, 0.2), (10, -18, 0.36), (-8, -18, 0.34), (-22, -21, 0.06)],
+        [(-16, -30, 0.2), (-8, -29, 0.34), (8, -27, 0.26), (17, -31, 0.03)],
+        [(42, -3, 0.2), (44, -12, 0.38), (42, -26, 0.34), (46, -38, 0.05)],
+    ):
+        wash.dip("light")
+        hand(chart, wash, knots, 0.3)
     surface.diffuse(190.0)  # half dry
-    drop(surface, (-50, -18), 2.6, {"water": 6.0})
-    for x, y in ((-9, -16), (1, -25), (3, -14)):
-        drop(surface, (x, y), 1.4, {"water": 6.0, "pine soot": 0.1})
+    for knots in (
+        [(-62, -12, 0.05), (-60, -15, 0.5), (-54, -18, 0.05)],
+        [(-8, -10, 0.05), (-6, -11, 0.2), (-4, -11, 0.03)],
+        [(4, -20, 0.05), (6, -22, 0.26), (9, -22, 0.03)],
+    ):
+        touch.dip("water")
+        hand(chart, touch, knots)
     surface.diffuse(1200.0)
-    drop(surface, (52, -20), 6.0, {"pine soot": 0.3, "water": 2.4}, even=True)
+    wash.dip("heavy")
+    hand(chart, wash, [(58, -6, 0.2), (57, -14, 0.4), (60, -27, 0.32), (58, -40, 0.05)], 0.3)
     surface.diffuse(1200.0)
-    draw(surface, folder / "bloom.png", (1500, 1000))
+    draw(surface, folder / "bloom.png", (1500, 960))
 
 
 def lotus(folder: Path) -> None:
-    """A lotus leaf from above: wet washes, dark ink and water into them, veins when it has set."""
-    mesh = sheet(190.0, 150.0)
-    surface, chart = PaintedSurface(mesh, 0.4, "xuan"), sheet_chart(mesh)
-    heart, random = np.array([-22.0, 16.0]), np.random.default_rng(4)
-    painter = Painter(surface, "dabaiyun", "light", amount=DipAmount(fullness=0.3))
+    """A lotus leaf in broken ink: dark and water into wet strokes, then veins; and a bud."""
+    mesh = sheet(200.0, 160.0)
+    surface, chart = PaintedSurface(mesh, 0.45, "xuan"), sheet_chart(mesh)
+    big = Painter(surface, "yanghao", "light", amount=DipAmount(fullness=0.4))
+    small = Painter(surface, "zhongbaiyun", "water")
 
-    def at(turn: float, part: float) -> NDArray:
-        """A place of the leaf, whose border waves and has a notch at the stem."""
-        wave = 1.0 + 0.05 * np.sin(5.0 * turn + 0.7) + 0.03 * np.sin(11.0 * turn)
-        notch = 1.0 - 0.25 * np.exp(-(((turn + 1.35 + np.pi) % (2 * np.pi) - np.pi) ** 2) / 0.02)
-        return heart + part * wave * notch * np.array([62.0 * np.cos(turn), 46.0 * np.sin(turn)])
+    def at(degrees: float, part: float) -> NDArray:
+        """A point of the leaf, seen aslant."""
+        turn = np.radians(degrees)
+        return np.array([-26.0, 30.0]) + part * np.array(
+            [62.0 * np.cos(turn), (36.0 if np.sin(turn) > 0.0 else 56.0) * np.sin(turn)]
+        )
 
-    veins = np.linspace(0.0, 2.0 * np.pi, 12)[:-1] - 1.05 + random.normal(0.0, 0.05, 11)
-    for turn in np.sort(np.concatenate([veins + k * 0.19 for k in range(3)])):
-        painter.dip("clear")
-        painter.dip(random.choice(["clear", "light", "light", "heavy"]), reach=0.2)
-        start = random.uniform(0.12, 0.4)
-        wide(chart, painter, at(turn, start), at(turn, random.uniform(0.86, 0.96)), 0.26)
-    for first in veins[::2]:  # the border, by strokes along it
-        arc = np.linspace(first, first + 1.25, 24)
-        painter.dip("clear")
-        painter.dip(random.choice(["light", "heavy"]), reach=0.3)
-        way = np.array([at(turn, 0.85 + 0.02 * np.sin(9.0 * turn)) for turn in arc])
-        press = 0.22 * np.sin(np.pi * np.linspace(0.06, 0.94, 24)) ** 0.5
-        painter.replay(stroke(chart, way, press, brush="dabaiyun"))
-    surface.diffuse(1.5)
-    for k in (1, 2, 4, 7, 8, 10):  # broken: dark ink while it is wet
-        painter.dip("thick")
-        turn = veins[k] + 0.28
-        wide(chart, painter, at(turn, 0.5), at(turn + 0.05, 0.84), 0.09)
-    surface.diffuse(12.0)
-    for turn in veins + 0.28:
-        for part in random.uniform(0.45, 0.9, random.integers(1, 3)):
-            place = at(turn + random.normal(0.0, 0.05), part)
-            drop(surface, place, random.uniform(0.8, 2.6), {"water": 6.0})
-    surface.diffuse(150.0)
-    veins_and_bud(surface, chart, at, veins)
-    surface.diffuse(3.0)
+    for turn, last, first, to, press, belly, tip, aside in (  # from the heart, side-laid
+        (112, 120, 0.22, 0.86, 0.54, "clear", "light", 1.0),
+        (150, 166, 0.14, 0.95, 0.62, "heavy", "burnt", 1.0),
+        (74, 72, 0.24, 0.88, 0.52, "light", "heavy", 0.8),
+        (34, 40, 0.2, 0.93, 0.6, "clear", "heavy", 1.1),
+        (2, 6, 0.26, 1.0, 0.58, "light", "thick", 1.0),
+        (-170, -162, 0.22, 0.97, 0.58, "clear", "thick", 0.9),
+        (-140, -134, 0.2, 0.92, 0.56, "light", "heavy", -0.9),
+        (-92, -98, 0.16, 0.97, 0.54, "thick", "burnt", 0.7),
+        (-62, -52, 0.2, 0.9, 0.56, "clear", "heavy", 0.9),
+        (-28, -26, 0.25, 0.97, 0.5, "clear", "clear", 1.1),
+    ):
+        big.dip(belly)
+        big.dip(tip, reach=0.1)
+        u = np.linspace(0.0, 1.0, 5)
+        way = [at(turn + (last - turn) * k**1.5, first + (to - first) * k) for k in u]
+        hand(chart, big, np.c_[way, press * np.array([0.1, 0.5, 0.9, 1.0, 0.45])], aside)
+    for turn, first, to, press in (
+        (12, 0.6, 0.95, 0.14),
+        (-96, 0.45, 0.8, 0.18),
+        (150, 0.5, 0.8, 0.12),
+    ):
+        big.dip("thick")
+        way = [at(turn, first), at(turn + 5, 0.5 * (first + to)), at(turn + 7, to)]
+        hand(chart, big, np.c_[way, [0.02, press, 0.02]])
+    surface.diffuse(15.0)
+    for turn, first, to, press in (
+        (170, 0.05, 0.86, 0.07), (58, 0.06, 0.8, 0.06), (14, 0.05, 0.88, 0.07),
+        (-38, 0.1, 0.7, 0.05), (-84, 0.05, 0.86, 0.08), (-138, 0.07, 0.74, 0.06),
+    ):  # fmt: skip
+        small.dip("thick")
+        small.wipe(0.7)
+        bow = 9.0 if press > 0.055 else -8.0
+        way = [
+            at(turn + bow * np.sin(2.6 * k), first + (to - first) * k) for k in (0, 0.3, 0.65, 1)
+        ]
+        hand(chart, small, np.c_[way, press * np.array([0.7, 0.5, 0.35, 0.02])], 0.25, 140.0)
+    for turn, part in ((140, 0.7), (52, 0.75), (-24, 0.6), (-128, 0.7), (-66, 0.7)):
+        x, y = at(turn, part)
+        small.dip("water")
+        hand(chart, small, [(x, y, 0.05), (x + 1.5, y + 1, 0.3), (x + 5, y - 1, 0.03)])
+    surface.diffuse(40.0)
+    for tip, dryness, speed, knots in (
+        ("thick", 0.7, 110.0, [(-21, -28, 0.03), (-18, -36, 0.13), (-12, -50, 0.08),
+        (-10, -64, 0.09), (-13, -77, 0.14)]),
+        ("thick", 0.8, 140.0, [(61, 38, 0.02), (62, 30, 0.09), (58, 4, 0.05), (50, -26, 0.07),
+        (45, -52, 0.05), (46, -72, 0.01)]),
+    ):  # fmt: skip
+        small.dip("light")
+        small.dip(tip, reach=0.2)
+        small.wipe(dryness)
+        hand(chart, small, knots, 0.3, speed, wet=False)
+    rose = Painter(surface, "full", "water", amount=DipAmount(fullness=0.3))
+    for knots, aside in (
+        ([(57, 61, 0.02), (55.5, 54, 0.2), (57, 46, 0.26), (61, 39, 0.06)], (0.3, 0.1)),
+        ([(65, 60, 0.02), (66.5, 54, 0.2), (66, 46, 0.22), (62.5, 39, 0.04)], (-0.3, 0.0)),
+        ([(61, 68, 0.01), (60, 60, 0.22), (61, 48, 0.3), (62, 39, 0.05)], (0.1, 0.3)),
+    ):
+        rose.dip({"carmine": 0.02, "water": 0.98})
+        rose.dip({"carmine": 0.5, "water": 0.5}, reach=0.17)
+        hand(chart, rose, knots, aside, 50.0)
+    dot = Painter(surface, "langhao", "thick")
+    for x, y, press in ((-18, -40, 0.12), (-9, -57, 0.18), (62, 18, 0.1), (54, -12, 0.16)):
+        dot.dip("thick")
+        hand(chart, dot, [(x, y, 0.03), (x + 0.9, y - 0.7, press), (x + 1.8, y - 1.3, 0.03)])
+    surface.diffuse(4.0)
+    surface.dry()
     draw(surface, folder / "lotus.png", (1500, 1180))
-
-
-def wide(chart, painter, start, end, press: float) -> None:
-    """A broad stroke that is laid down, swells, and is lifted."""
-    t = np.linspace(0.0, 1.0, 24)
-    aside = 0.06 * np.array([start[1] - end[1], end[0] - start[0]])
-    way = start + np.outer(t, end - start) + np.outer(np.sin(np.pi * t), aside)
-    pressures = press * np.sin(np.pi * np.clip(t, 0.04, 0.97)) ** 0.55
-    painter.replay(stroke(chart, way, pressures, brush="dabaiyun"))
-
-
-def veins_and_bud(surface, chart, at, veins) -> None:
-    """Veins that fork, places `at` of a leaf, its stem, and a bud in carmine whose tip is dark."""
-    fine = Painter(surface, "xiaobaiyun", "thick")
-    t = np.linspace(0.0, 1.0, 16)
-    for turn in veins:
-        for first, last, aside in ((0.03, 0.9, 0.0), (0.5, 0.88, 0.16), (0.42, 0.84, -0.15)):
-            part = first + (last - first) * t
-            way = np.array([at(turn + aside * u, p) for u, p in zip(t, part, strict=True)])
-            fine.dip("heavy" if aside else "thick")
-            press = (0.05 if aside else 0.08) * (1.0 - t)
-            fine.replay(stroke(chart, way, press, brush="xiaobaiyun"))
-    stem = np.array([at(-1.35, 0.97), (-9, -46), (-10, -60), (-13, -72)])
-    fine.dip("heavy")
-    fine.replay(stroke(chart, stem, np.array([0.13, 0.16, 0.17, 0.14]), brush="xiaobaiyun"))
-    bud = np.array([62.0, 34.0])
-    way = np.array([(62, 40), (60, 6), (52, -30), (44, -70)])
-    fine.dip("light")
-    fine.dip("heavy", reach=0.3)
-    fine.replay(stroke(chart, way, np.array([0.08, 0.1, 0.11, 0.1]), brush="xiaobaiyun"))
-    for turn, long in ((62, 15.0), (118, 15.0), (90, 19.0)):
-        painter = Painter(surface, "full", {"carmine": 0.03, "water": 0.97})
-        painter.dip({"carmine": 0.5, "water": 0.5}, reach=0.3)
-        petal(chart, painter, bud, np.radians(turn), long, 0.3)
 
 
 SCENES = {f.__name__: f for f in (flowers, wet_in_wet, feathering, bloom, lotus, vermilion, petals)}

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw
+from scipy.interpolate import CubicSpline
 
 sys.path.insert(0, str(Path(__file__).parent))
-from ink import draw, line, sheet, sheet_chart, twig
+from ink import draw, sheet, sheet_chart
 from ink import stroke as way_of
 from writing import beside, drawn, seen_from_above, stacked, titled, written
 
@@ -196,6 +197,28 @@ def draw_bowl_bottom(file: Path, glyphs: Path) -> None:
     surface = PaintedSurface(load_mesh("bowl"), 0.2, "porcelain")
     plum(surface, 0.0)
     draw(surface, file, (1400, 1050), View((0.0, -0.5, 1.0), (0.0, 0.0, 1.0), 2.3))
+
+
+def line(chart, painter, points, press) -> None:
+    """A branch: a stroke through points."""
+    painter.replay(way_of(chart, np.asarray(points, float), np.asarray(press, float)))
+
+
+def twig(chart, painter, points, press, kept, brush: str = "full") -> None:
+    """A bent twig through points, lifted over discs (x, y, radius) that are kept for blossoms."""
+    knots = np.asarray(points, float)
+    t = np.linspace(0.0, 1.0, 120)
+    way = CubicSpline(np.linspace(0.0, 1.0, len(knots)), knots)(t)
+    way += 0.012 * np.ptp(knots) * np.column_stack([np.sin(23.0 * t), np.sin(17.0 * t)])
+    pressures = np.interp(t, np.linspace(0.0, 1.0, len(press)), press)
+    pressures *= 1.0 + 0.12 * np.sin(31.0 * t)
+    discs = np.asarray(kept, float).reshape(-1, 3)
+    away = np.linalg.norm(way[:, None] - discs[:, :2], axis=2)
+    free = (away > discs[:, 2]).all(axis=1)
+    ends = np.flatnonzero(np.diff(np.r_[False, free, False]))
+    for first, last in ends.reshape(-1, 2):
+        if last - first > 5:
+            painter.replay(way_of(chart, way[first:last], pressures[first:last], brush=brush))
 
 
 def plum(surface: PaintedSurface, seconds: float) -> None:
