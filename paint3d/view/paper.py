@@ -100,6 +100,8 @@ class Paper:
         self._texture = make_texture(_tile()[..., None])
         self._texture.SetWrap(vtkTexture.Repeat)
         self._texture.SetMipmap(not quick)
+        # in software that takes half a minute where a surface is seen at an angle
+        self._texture.SetMaximumAnisotropicFiltering(1.0)
         self._text = _SHADER.replace("AGAIN", _ONCE if quick else _TWICE)
 
     def add_to(self, actor: Any, declared: str = "") -> None:
