@@ -33,6 +33,7 @@ from paint3d.cli.options import (
     check_overwriting,
 )
 from paint3d.cli.painting import (
+    Before,
     PaintingOptions,
     add_out_option,
     fraction_over,
@@ -226,8 +227,7 @@ def _paint(
     """Paint a piece, and tell what of it lies over what was painted before."""
     take_layer(document, piece.layer)
     if "coats" in piece:
-        document.refresh()
-        before = document.surface.painted
+        before = Before.of(document)
         told = seal.press(document, piece)
         counts: dict[str, object] = {"seal": told}
         over = fraction_over(document, before)

@@ -9,7 +9,7 @@ import pickle
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import Field, asdict, dataclass, field, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from paint3d.cli.options import (
     BRUSH,
@@ -55,6 +55,7 @@ if TYPE_CHECKING:
 __all__ = [
     "DEFAULT_INK",
     "WRITING_INK",
+    "Before",
     "PaintingOptions",
     "add_out_option",
     "check_poses",
@@ -582,7 +583,7 @@ def paint_onto(
         document.dip(tip, reach)
     document.set_pickup(wanted.pickup)
     document.refresh()  # what changes from here on is what the recording paints
-    before = document.surface.painted
+    before = Before.of(document)
     n, time_ns, is_wet = len(recording), recording.time_ns, wanted.spread is not None
     loads, strengths = told_at(recording.header, time_ns)
     if is_wet or watch is not None:  # time passes between these
@@ -647,10 +648,31 @@ def _let_pass(document: Document, pieces: int, told: Callable[[float], None]) ->
             return
 
 
-def fraction_over(document: Document, before: NDArray[np.bool_]) -> float:
-    """Fraction, by area, of what has changed that lies over vertices (V,) painted before."""
+class Before(NamedTuple):
+    """What lay on vertices (V,) before something was painted: whether any paint, codes, wet ink."""
+
+    painted: NDArray[np.bool_]
+    codes: NDArray[np.uint8]
+    ink: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, document: Document) -> Before:
+        """Return what lies there now."""
+        document.refresh()
+        surface = document.surface
+        ink = surface.ink.amounts[: surface.n_vertices].sum(axis=1)
+        return cls(surface.painted, surface.srgb.copy(), ink)
+
+
+def fraction_over(document: Document, before: Before) -> float:
+    """Fraction, by area, of what has been painted since that lies over earlier paint."""
     changed = document.refresh()
-    areas = document.surface.vertex_areas
-    known = changed[changed < len(before)]
-    over, painted = float(areas[known[before[known]]].sum()), float(areas[changed].sum())
-    return over / painted if painted > 0.0 else 0.0
+    surface, n = document.surface, len(before.painted)
+    known, new = changed[changed < n], changed[changed >= n]
+    # with an ink that is new to it all of a painting counts as changed
+    differs = (surface.srgb[known] != before.codes[known]).any(axis=1)
+    differs |= surface.ink.amounts[known].sum(axis=1) != before.ink[known]
+    known = known[differs]
+    areas = surface.vertex_areas
+    painted = float(areas[known].sum() + areas[new].sum())
+    return float(areas[known[before.painted[known]]].sum()) / painted if painted > 0.0 else 0.0

@@ -24,6 +24,7 @@ from paint3d.cli.options import (
     parse_number,
 )
 from paint3d.cli.painting import (
+    Before,
     PaintingOptions,
     add_out_option,
     fraction_over,
@@ -164,8 +165,7 @@ def run(options: argparse.Namespace) -> None:
     else:
         document = new_document(wanted)
     take_layer(document, options.layer)
-    document.refresh()
-    before = document.surface.painted
+    before = Before.of(document)
     told = press(document, options)
     say_if_over(fraction_over(document, before))
     with ProgressBar("writing", enabled=not options.quiet) as progress:

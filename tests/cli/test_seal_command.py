@@ -41,6 +41,9 @@ def test_a_seal_on_a_painting_is_a_step_on_a_layer_of_its_own(painting: str, cap
     assert done == 0
     assert "12.0 x 6.6 mm" in told.out
     assert "% of it lies over what was painted before" in told.err
+    beside = ("--svg", "bar.svg", "--on", painting, "--size", 12, "--at", "0.5,0.9")
+    assert run(*beside, "--out", "beside.p3d") == 0
+    assert "lies over" not in capsys.readouterr().err  # though its red is new to the painting
     before, after = Document.open(painting), Document.open("sealed.p3d")
     assert [layer.name for layer in after.layers] == ["1", "seal"]
     assert after.steps.done[-1] == "seal"
