@@ -216,7 +216,7 @@ def _read_index(kernels: Path) -> dict[str, Any]:
         raise ExportError(
             "the kernels of the page are not compiled: {kernels} has none; expected them to be",
             kernels=kernels,
-            hint="python -m tools.kernels --for wasm32",
+            hint="./scripts/page",
         )
     changed = [path for path, digest in index["sources"] if not is_unchanged(path, digest)]
     if changed:
@@ -225,7 +225,7 @@ def _read_index(kernels: Path) -> dict[str, Any]:
             "were compiled from, in {kernels}; expected them to be compiled again",
             kernels=kernels,
             path=changed[0],
-            hint="python -m tools.kernels --for wasm32",
+            hint="./scripts/page",
         )
     return index
 

@@ -138,7 +138,7 @@ def test_what_a_page_cannot_have_is_said_before_anything_is_written(
 def test_what_is_to_be_built_first_is_said(kernels: Path, tmp_path: Path) -> None:
     with pytest.raises(ExportError, match="kernels of the page are not compiled") as lacking:
         build_page(tmp_path / "out", page=None, kernels=tmp_path)
-    assert "python -m tools.kernels --for wasm32" in str(lacking.value)
+    assert "./scripts/page" in str(lacking.value)
     with pytest.raises(ExportError, match="the page is not built") as lacking:
         build_page(tmp_path / "out", page=tmp_path, kernels=kernels)
     assert "npm run build" in str(lacking.value)
@@ -153,7 +153,7 @@ def test_kernels_of_other_sources_are_not_shipped(kernels: Path, tmp_path: Path)
     with pytest.raises(ExportError, match="are those of other sources") as stale:
         build_page(tmp_path / "out", page=None, kernels=old)
     assert "mesh/kernels/bvh.py is not what they were compiled from" in str(stale.value)
-    assert "python -m tools.kernels --for wasm32" in str(stale.value)
+    assert "./scripts/page" in str(stale.value)
     assert not (tmp_path / "out").exists()
 
 

@@ -201,7 +201,7 @@ def test_a_page_that_only_shows_it_says_why(
     save_session(painting, session)
     for name, options, said in (
         (str(session), ["--view-only"], None),
-        (str(session), [], "the kernels of the page are not compiled (python -m tools.kernels"),
+        (str(session), [], "the kernels of the page are not compiled (./scripts/page"),
         ("plate", [], "it is no session"),
         (str(session), ["--exact"], "it was to be written with other colours, vertices"),
         (str(session), ["--filaments", "2"], "it was to be written with other colours"),
