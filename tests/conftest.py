@@ -22,6 +22,10 @@ from tools.texts import compile_all
 # that none waits for another, then what paints with hairs, what spreads, and what takes longest, so
 # that no process is left with it.
 _FIRST = (
+    "page/test_in_browser.py",
+    "page/test_same_bytes.py",
+    "page/test_page_folder.py",
+    "page/test_single_file.py",
     "painter/test_painter.py",
     "brush_engine/test_bristles.py",
     "calligraphy/test_planning.py",
