@@ -125,7 +125,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--sign", metavar="TEXT", help="a signature, in smaller characters beside the text"
     )
     what.add_argument(
-        "--seal", metavar="TEXT", help="1 to 4 characters of a seal, pressed below the signature, or below the text"
+        "--seal",
+        metavar="TEXT",
+        help="1 to 4 characters of a seal, pressed below the signature, or below the text",
     )
     add_task_options(parser)
     add_dip_option(parser, f"{DIPS}; of drawings always")
