@@ -189,8 +189,7 @@ class Lighting(NamedTuple):
     """An object placed in the studio, and the light on it, independent of its colours.
 
     `vertices` and `normals` (V, 3) are in the studio's axes, `places` (V, 3) in the object's;
-    `light` (S, 3) falls on the S vertices
-    marked in `seen` (V,), and includes the `exposure`.
+    `light` (S, 3) falls on the S vertices marked in `seen` (V,), and includes the `exposure`.
     """
 
     vertices: NDArray[np.float32]

@@ -81,7 +81,8 @@ class Gloss:
             if name not in known:
                 raise UnknownNameError("material", name, known)
             material = known[name]
-        return cls(material.roughness, material.coat, paper=float(material.is_felted))
+        paper = _PAPERS.get(name, float(material.is_felted))
+        return cls(material.roughness, material.coat, paper=paper)
 
     @property
     def seen_roughness(self) -> float:
@@ -93,12 +94,12 @@ _GLOSSES = {
     "porcelain": Gloss(0.30, 0.90),
     "bisque": Gloss(0.75, 0.0),
     "xuan": Gloss(0.95, 0.0, paper=1.0),
-    "sized xuan": Gloss(0.85, 0.05, paper=0.8),
-    "tinted xuan": Gloss(0.9, 0.0, paper=1.2),
-    "silk": Gloss(0.6, 0.15),
     "plaster": Gloss(0.9, 0.0),
     "terracotta": Gloss(0.8, 0.0),
 }
+
+
+_PAPERS = {"sized xuan": 0.8, "tinted xuan": 1.2, "silk": 0.0}  # silk is woven
 
 
 @dataclass(frozen=True)
