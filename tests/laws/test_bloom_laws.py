@@ -132,6 +132,32 @@ def test_water_that_meets_a_damp_wash_leaves_a_dark_edge() -> None:
     assert 4 < edge < 14
 
 
+def front_of_water(drains: bool) -> NDArray[np.float64]:
+    """How far water runs into a wash on xuan that is half dry, mm, in 24 directions."""
+    drying = flows.Drying
+    with mock.patch.object(flows, "Drying", lambda *of: drying(*of[:3], of[3] if drains else 0.0)):
+        surface = PaintedSurface(grid(24.0, 0.4), None, "xuan")
+        drop(surface, 0.16, 9.0)
+        drop(surface, 1.6, 9.0, ink="water").diffuse(190.0)
+        depths = []
+        for seconds in (0.0, 30.0):
+            if seconds:
+                drop(surface, 5.0, 1.6, ink="water").diffuse(seconds)
+            ids, depth = surface.flow.depths()
+            depths.append(np.zeros(surface.n_vertices))
+            depths[-1][ids] = depth
+    x, y = surface.paint_mesh.vertices[:, :2].T
+    away, sector = np.hypot(x, y), ((np.arctan2(y, x) / (2 * np.pi) + 0.5) * 24).astype(int) % 24
+    came = (depths[1] > depths[0] + 0.002) & (away < 9.0)
+    return np.array([away[came & (sector == k)].max(initial=0.0) for k in range(24)])
+
+
+def test_water_on_a_half_dry_wash_stops_in_a_torn_front() -> None:
+    """Drained pores have to be filled anew: where nothing asks that of it, it runs in a ring."""
+    torn, round_one = (np.abs(np.diff(front_of_water(drains))).mean() for drains in (True, False))
+    assert torn > 1.5 * round_one
+
+
 def test_water_dropped_into_a_wet_wash_leaves_a_cloud_not_a_disc() -> None:
     """It gets paler to its middle little by little, and some of the wash stays there."""
     still, run = watered("xuan", 0.16, 1.6, (4.0, 60.0))

@@ -789,6 +789,18 @@ def test_no_direction_prevails(normal):
     assert coherence(relief) < 0.2  # over 12 mm no direction prevails
 
 
+@pytest.mark.parametrize("height", [0.0, 0.7])
+def test_grain_lies_along_no_side_of_a_sheet(height):
+    """Or fronts have square corners: how far gradients lie along the axes, 0 to 1."""
+    side = 0.2 * np.arange(600)
+    x, y = np.meshgrid(side, side)
+    grain = np.empty(x.size)
+    fill_grain(np.column_stack([x.ravel(), y.ravel(), np.full(x.size, height)]), 2.4, grain)
+    gy, gx = np.gradient(grain.reshape(x.shape))
+    fourfold = (gx + 1j * gy) ** 4 / np.maximum(gx * gx + gy * gy, 1e-12)
+    assert abs(fourfold.sum()) / (gx * gx + gy * gy).sum() < 0.12  # .18 to .20 where it does
+
+
 @pytest.mark.parametrize("material", ["xuan", "tinted xuan", "sized xuan", "silk"])
 def test_a_sheet_has_the_same_flocs_however_far_apart_its_vertices_lie(material):
     """Fibres fade where vertices are too far apart to show them; what is left does not change."""
