@@ -179,6 +179,7 @@ _BRUSHES = {
     "langhao": Message("langhao"),
     "yanghao": Message("yanghao"),
     "jianhao": Message("jianhao"),
+    "tidou": Message("tidou"),
 }
 _PURPOSES = {
     "full": Message("large, for trying out"),
@@ -196,6 +197,7 @@ _PURPOSES = {
     "langhao": Message("elastic, sharp point"),
     "yanghao": Message("soft, for washes"),
     "jianhao": Message("for running script"),
+    "tidou": Message("kaishu, 200 to 350 mm"),
 }
 _HAIRS = {
     "goat": Message("goat hair"),
