@@ -626,6 +626,9 @@ def plan(
                 bar.note(f"planned {character}")
             bar(fraction)
 
+        n = len("".join((getattr(options, "text", None) or "").split()))
+        if n and not options.quiet:
+            bar.note(f"planning {n} character{'s' if n > 1 else ''}")
         written = write(
             surface.source,
             settings=settings,
