@@ -127,7 +127,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what.add_argument(
         "--seal",
         metavar="TEXT",
-        help="1 to 4 characters of a seal, pressed below the signature, or below the text",
+        help="1 to 4 characters of a seal, pressed below the signature; without one, left of "
+        "the text's end",
     )
     add_task_options(parser)
     add_dip_option(parser, f"{DIPS}; of drawings always")
@@ -469,7 +470,7 @@ def sign(
     written: Written,
     seconds: dict[str, float],
 ) -> None:
-    """Write a signature beside a text, and press a seal below it.
+    """Write a signature beside a text, and press a seal below it, or beside the text's end.
 
     Raises
     ------
