@@ -35,6 +35,7 @@ __all__ = [
     "say_material",
     "say_object",
     "say_purpose",
+    "say_sides",
     "say_units",
     "system_language",
 ]
@@ -264,6 +265,12 @@ def say_length(mm: float) -> str:
     """A length in words, in the unit that was chosen."""
     number = mm / UNITS_MM[_unit[0]]
     return f"{number:.0f} {_unit[0]}" if number >= 100.0 else f"{number:.3g} {_unit[0]}"
+
+
+def say_sides(*sides_mm: float) -> str:
+    """Lengths of sides in words, in the unit that was chosen."""
+    *others, last = (say_length(side) for side in sides_mm)
+    return " × ".join([*(other.split()[0] for other in others), last])
 
 
 def say_left(seconds: float) -> str:
