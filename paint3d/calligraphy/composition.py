@@ -560,9 +560,9 @@ def sign_beside(
         if n == 0:
             size *= min(1.0, max(within / (_ALONE_COLUMN * _SEAL * size), _LEAST_ALONE))
         for _ in range(_TRIALS):
-            wide, most = (size, _AWAY * size) if n else (_SEAL * size, _ALONE_AWAY * _SEAL * size)
-            beside = max(min(most, within - wide), 0.3 * (free - wide), 0.1 * size)
-            away = inked + 0.5 * wide + min(most, beside)
+            wide, apart = (size, _AWAY * size) if n else (_SEAL * size, _ALONE_AWAY * _SEAL * size)
+            beside = max(min(apart, within - wide), 0.3 * (free - wide), 0.1 * size)
+            away = inked + 0.5 * wide + min(apart, beside)
             away *= paper.splay(first.origin, end)
             at, down = paper.beside(first.origin, away, aside, onward)
             above, under = (paper.room(at, way) - 0.4 * size for way in (-down, down))

@@ -620,16 +620,15 @@ def plan(
     }
     if options.tip is not None:
         header |= {"tip": describe_ink(load_ink(options.tip)), "reach": options.reach}
-    with timed(seconds, "plan"), ProgressBar("planning", enabled=not options.quiet) as bar:
+    n = len("".join((getattr(options, "text", None) or "").split()))
+    label = f"planning {n} character{'s' if n > 1 else ''}" if n else "planning"
+    with timed(seconds, "plan"), ProgressBar(label, enabled=not options.quiet) as bar:
 
         def tell(character: str, fraction: float) -> None:
             if not options.quiet:
                 bar.note(f"planned {character}")
             bar(fraction)
 
-        n = len("".join((getattr(options, "text", None) or "").split()))
-        if n and not options.quiet:
-            bar.note(f"planning {n} character{'s' if n > 1 else ''}")
         written = write(
             surface.source,
             settings=settings,
