@@ -11,10 +11,11 @@ export const WET_COAT_MM = 0.03;
 const WET_INK_MM = 0.015;
 const THICK = 9.0;
 const LOOSE = 0.95;
+const LAID = 0.5;
 const PARTICLES = 0.65;
 /** The time step of a block after ink arrived, s. */
 export const FIRST_PACE = 1.0 / 30.0;
-const KEPT = ["water", "inside", "soaked", "pigment", "fine", "loose"] as const;
+const KEPT = ["water", "inside", "soaked", "laid", "pigment", "fine", "loose"] as const;
 
 /** The patch at an instant, for undo, by nodes and places; the graph only grows. */
 export interface KeptPatch {
@@ -30,6 +31,7 @@ export class WetPatch {
   water: NDArray<"f8">;
   inside: NDArray<"f4">;
   soaked: NDArray<"f4">;
+  laid: NDArray<"f4">;
   pigment: NDArray<"f8">;
   fine: NDArray<"f8">;
   loose: NDArray<"f8">;
@@ -71,6 +73,7 @@ export class WetPatch {
     this.water = empty();
     this.inside = kernels.zeros("f4", 0);
     this.soaked = kernels.zeros("f4", 0);
+    this.laid = kernels.zeros("f4", 0);
     this.pigment = kernels.zeros("f8", 0, count);
     this.fine = kernels.zeros("f8", 0, count);
     this.loose = kernels.zeros("f8", 0, count);
@@ -121,7 +124,7 @@ export class WetPatch {
       nPigments: this.#count,
       nodes: {
         water: rows(this.water, n), inside: rows(this.inside, n), soaked: rows(this.soaked, n),
-        pigment: rows(this.pigment, n), fine: rows(this.fine, n), loose: rows(this.loose, n),
+        laid: rows(this.laid, n), pigment: rows(this.pigment, n), fine: rows(this.fine, n), loose: rows(this.loose, n),
       },
       written: this.written.data.slice(0, nPlaces * this.#count),
       owed: this.owed.data.slice(),
@@ -260,14 +263,21 @@ export class WetPatch {
     }
     const [pigment, fine, loose] = [this.pigment.data, this.fine.data, this.loose.data];
     for (let i = 0; i < n; i++) water[node[i]] *= kept[i];
-    // what comes runs together with what is there
+    const [deep, added] = [this.laid.data, new Float64Array(n)];
     const thin = Float64Array.from(node, (to, i) => {
-      const liquid = water[to] + came[i];
-      const there = rowSum(pigment.subarray(to * count, (to + 1) * count));
-      const thick = liquid > 0.0 ? (coats[i] + there) / (THICK * liquid) : 1.0;
+      // what comes runs together with what is there
+      const there = rowSum(pigment.subarray(to * count, (to + 1) * count)) + coats[i];
+      const ran = coats[i] > 0.0 && deep[to] < LAID * water[to];
+      const own = ran ? (came[i] / coats[i]) * there : Infinity;
+      added[i] = Math.min(came[i], Math.max(own - water[to], 0.0));
+      const liquid = water[to] + added[i];
+      const thick = liquid > 0.0 ? there / (THICK * liquid) : 1.0;
       return Math.max(0.0, 1.0 - thick * thick);
     });
-    for (let i = 0; i < n; i++) water[node[i]] += share[at[i]] * came[i];
+    for (let i = 0; i < n; i++) {
+      water[node[i]] += share[at[i]] * added[i];
+      deep[node[i]] += Math.fround(share[at[i]] * came[i]);
+    }
     this.#addPigment(node, at, change, thin);
     for (let i = 0; i < n; i++)
       for (let p = 0; p < count; p++) {
@@ -395,9 +405,10 @@ export class WetPatch {
           amounts[k] = amounts[k] - came[i * count + p];
         }
       }
-      const [pigment, fine, loose, soaked] = [this.pigment.data, this.fine.data, this.loose.data, this.soaked.data];
+      const [pigment, fine, loose] = [this.pigment.data, this.fine.data, this.loose.data];
+      const [soaked, laid] = [this.soaked.data, this.laid.data];
       for (const node of nodes) {
-        soaked[node] = 0.0;
+        soaked[node] = laid[node] = 0.0;
         for (let k = node * count; k < (node + 1) * count; k++) pigment[k] = fine[k] = loose[k] = 0.0;
       }
     }
@@ -467,6 +478,7 @@ export class WetPatch {
       this[name] = withRoom(this[name], n); // prettier-ignore
     this.inside = withRoom(this.inside, n);
     this.soaked = withRoom(this.soaked, n);
+    this.laid = withRoom(this.laid, n);
     this.changed = withRoom(this.changed, n);
     this.place = withRoom(this.place, n);
     this.written = withRoom(this.written, graph.nPlaces);
