@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,8 +27,9 @@ _OF_NODES = (
 )  # fmt: skip
 _OF_PORES = ("residual", "strength", "sieve", "catch", "bare_entry_depth", "bare_conductance")
 _THICK = 9.0  # coats to the mm of liquid from which on soot's flocs hold together: one part in 4
-_LOOSE = 0.95  # of its flocs that ever more water parts
+_LOOSE = 0.6  # of its flocs that ever more water parts
 _LAID = 0.5  # of the water on a node, what brushes laid at least if it did not run there
+_FRESH = 0.02  # of the liquid on a node, what comes at once where a tuft with ink is
 _PARTICLES = 0.65  # what is not fine of a pigment that has no more of a dye than soot has
 FIRST_PACE = 1.0 / 30.0  # s: the time step of a block after ink arrived
 
@@ -205,8 +207,11 @@ class WetPatch:
         result: AnyArray = at[(now != self.written[at]).any(axis=1)]
         return result
 
-    def read_surface(self, at: AnyArray) -> None:
-        """Apply changes of the ink at places (N,) to water and pigment; see `find_changed`."""
+    def read_surface(self, at: AnyArray) -> AnyArray:
+        """Apply changes of the ink at places (N,) to water and pigment; see `find_changed`.
+
+        Returns the nodes (K,) on which a tuft lies, to judge by what has come.
+        """
         graph = self.graph
         now = self._store.ink.amounts[graph.vertices[at]]
         change = (now - self.written[at]).astype(np.float64)
@@ -231,6 +236,7 @@ class WetPatch:
         liquid = there + added
         thick = np.divide(coats, _THICK * liquid, out=np.ones_like(came), where=liquid > 0.0)
         thin = np.maximum(0.0, 1.0 - thick * thick)
+        under_tuft = np.unique(node[with_ink & (came > _FRESH * liquid)])
         np.add.at(self.water, node, share * added)
         np.add.at(self.laid, node, (share * came).astype(np.float32))
         self._add_pigment(node, share[:, None] * change, thin)
@@ -249,6 +255,7 @@ class WetPatch:
         block = graph.block[laid]
         self.pace[block] = FIRST_PACE
         self.owed[block[np.isinf(self.owed[block])]] = 0.0
+        return under_tuft
 
     def _add_pigment(self, node: AnyArray, change: AnyArray, thin: AnyArray) -> None:
         """Add pigment (N, P) to nodes (N,), or remove it, of all kinds in proportion.
@@ -318,6 +325,17 @@ class WetPatch:
         ink.amounts[ids] = came
         ink.coverage[ids] = np.where(came.any(axis=1), coverage, ink.coverage[ids])
         self.written[at] = 0.0
+
+    @contextmanager
+    def held(self, nodes: AnyArray) -> Iterator[None]:
+        """Let no water run from or to nodes (N,) meanwhile: a tuft lies there."""
+        running = self.conductance[nodes]
+        self.conductance[nodes] = 0.0
+        self._weigh(nodes)
+        yield
+        as_held = self.conductance[nodes] == 0.0  # or its pores have been closed anew
+        self.conductance[nodes[as_held]] = running[as_held]
+        self._weigh(nodes)
 
     # -- growth -----------------------------------------------------------------------------
 
@@ -447,4 +465,6 @@ class WetPatch:
         """Multiply weights by the harmonic mean of the conductance factors at both ends."""
         graph = self.graph
         start, end = self.conductance[graph.owner[links]], self.conductance[graph.links[links]]
-        self.weights[links] = graph.weights[links] * (2.0 * start * end / (start + end))
+        both = start * end
+        mean = np.divide(2.0 * both, start + end, out=np.zeros_like(both), where=both > 0.0)
+        self.weights[links] = graph.weights[links] * mean

@@ -10,8 +10,9 @@ import { clip, closePore, evenExp, PoreFinder } from "./pores";
 export const WET_COAT_MM = 0.03;
 const WET_INK_MM = 0.015;
 const THICK = 9.0;
-const LOOSE = 0.95;
+const LOOSE = 0.6;
 const LAID = 0.5;
+const FRESH = 0.02;
 const PARTICLES = 0.65;
 /** The time step of a block after ink arrived, s. */
 export const FIRST_PACE = 1.0 / 30.0;
@@ -230,8 +231,8 @@ export class WetPatch {
     });
   }
 
-  /** Apply changes of the ink at places to water and pigment. */
-  readSurface(at: Int32Array): void {
+  /** Apply changes of the ink at places to water and pigment; the nodes on which a tuft lies. */
+  readSurface(at: Int32Array): Int32Array {
     const { graph, surface } = this;
     const count = this.#count;
     const { pigments } = surface;
@@ -264,6 +265,7 @@ export class WetPatch {
     const [pigment, fine, loose] = [this.pigment.data, this.fine.data, this.loose.data];
     for (let i = 0; i < n; i++) water[node[i]] *= kept[i];
     const [deep, added] = [this.laid.data, new Float64Array(n)];
+    const underTuft = new Set<number>();
     const thin = Float64Array.from(node, (to, i) => {
       // what comes runs together with what is there
       const there = rowSum(pigment.subarray(to * count, (to + 1) * count)) + coats[i];
@@ -271,6 +273,7 @@ export class WetPatch {
       const own = ran ? (came[i] / coats[i]) * there : Infinity;
       added[i] = Math.min(came[i], Math.max(own - water[to], 0.0));
       const liquid = water[to] + added[i];
+      if (coats[i] > 0.0 && came[i] > FRESH * liquid) underTuft.add(to);
       const thick = liquid > 0.0 ? there / (THICK * liquid) : 1.0;
       return Math.max(0.0, 1.0 - thick * thick);
     });
@@ -303,6 +306,7 @@ export class WetPatch {
       pace[block] = FIRST_PACE;
       if (owed[block] === Infinity) owed[block] = 0.0;
     }
+    return distinct(underTuft);
   }
 
   /** Add pigment to nodes, or remove it, of all kinds in proportion. */
@@ -429,6 +433,20 @@ export class WetPatch {
       }
       if (any) coverage[ids[i]] = covered[i];
     }
+  }
+
+  /** Let no water run from or to nodes on which a tuft lies; what lets it again. */
+  hold(nodes: Int32Array): () => void {
+    const held = this.conductance.data;
+    const running = Float64Array.from(nodes, (node) => held[node]);
+    for (const node of nodes) held[node] = 0.0;
+    this.#weigh(nodes);
+    return () => {
+      const conductance = this.conductance.data;
+      for (const [k, node] of nodes.entries())
+        if (conductance[node] === 0.0) conductance[node] = running[k]; // or its pores have been closed anew
+      this.#weigh(nodes);
+    };
   }
 
   // -- growth -----------------------------------------------------------------------------------
@@ -563,7 +581,8 @@ export class WetPatch {
     const [bare, weights] = [graph.weights.data, this.weights.data];
     for (let k = from; k < to; k++) {
       const [start, end] = [conductance[owner[k]], conductance[links[k]]];
-      weights[k] = bare[k] * ((2.0 * start * end) / (start + end));
+      const both = start * end;
+      weights[k] = bare[k] * (both > 0.0 ? (2.0 * both) / (start + end) : 0.0);
     }
   }
 }
