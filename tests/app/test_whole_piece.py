@@ -45,10 +45,10 @@ def test_a_signed_scroll_comes_about_by_what_each_dialog_proposes(program, tmp_p
         wait_for(lambda: window.document.surface.source.name == "scroll:60x200")
         assert window.workspace.painting.material.name == "xuan"
         window.workspace.actions["lay_out"].trigger()
-        panel.text.insertPlainText("一人，十口。")  # over what is proposed, which is chosen
+        panel.text.insertPlainText("一，十。")  # over what is proposed, which is chosen
         click_button(panel, "Lay out")
         wait_for(lambda: len(window.document.texts) == 1)
-        assert window.document.texts[0].text.replace("\n", "") == "一人十口"
+        assert window.document.texts[0].text.replace("\n", "") == "一十"
         write(1)
 
         def sign(dialog: QtWidgets.QInputDialog) -> None:
