@@ -168,9 +168,14 @@ def test_what_a_pen_paints_on_a_sheet_the_desktop_paints_to_the_bit(
     assert settled(browser)["srgb"] != bare["srgb"]
     choose(browser, "brush", 1)  # whose file comes later than what is asked next
     choose(browser, "inks", 1)
+    for name, percent in (("fullness", 40), ("wetted", 12.5)):
+        slide = f"(s => {{ s.value = {percent}; s.dispatchEvent(new Event('change')); }})"
+        browser.evaluate(f"{slide}(document.getElementById('{name}'))")
     browser.stroke(wave(350.0, 500.0))
     found = settled(browser)
     said = browser.evaluate("paint3d.score()")
+    assert '"amount":{"wetted":0.125,"fullness":0.4}' in said.rpartition("dip")[2]
+    assert said.count('"amount"') == 1
     assert 0 < said.find("set_brush") < said.rfind("begin_stroke")
     after = picture(browser, tmp_path / "after.png")
     assert found["vertices"] >= first["vertices"] > bare["vertices"]

@@ -85,6 +85,20 @@ export function slider(
   return captioned(text, input);
 }
 
+/** The same with its number in its caption; `then` is told it at once, `settled` when it stays. */
+export function numbered(
+  id: string, text: string, value: number, range: readonly [number, number, number], then: (value: number) => void,
+  settled: (value: number) => void = () => {},
+): HTMLElement {
+  const made = slider(id, `${text}: ${value}`, value, (now) => {
+    (made.querySelector("span") as HTMLElement).textContent = `${text}: ${now}`;
+    then(now);
+  }, range); // prettier-ignore
+  const input = made.querySelector("input") as HTMLInputElement;
+  input.addEventListener("change", () => settled(Number(input.value)));
+  return made;
+}
+
 export function tick(id: string, text: string, on: boolean, then: (on: boolean) => void): HTMLElement {
   const input = document.createElement("input");
   Object.assign(input, { id, type: "checkbox", checked: on });

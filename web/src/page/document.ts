@@ -152,9 +152,10 @@ export class Document {
     this.#lines.push({ do: "set_brush", brush: brush.name });
   }
 
-  dip(studio: Studio, ink: string = this.ink): void {
+  /** Dip the brush; an amount is how much it takes up from now on. */
+  dip(studio: Studio, ink: string = this.ink, amount: DipAmount | null = null): void {
     this.ink = ink;
-    this.#dipIn(studio, studio.partsOf(ink));
+    this.#dipIn(studio, studio.partsOf(ink), amount);
   }
 
   #dipIn(studio: Studio, parts: Record<string, number>, amount: DipAmount | null = null): void {

@@ -1,5 +1,6 @@
 /** The studio as a page. */
 
+import type { DipAmount } from "../brush/brush";
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
 import { times } from "../core/vectors";
@@ -9,7 +10,7 @@ import { SCORE, UnknownNameError, type Contents, type Fetch } from "../studio";
 import { Ahead } from "./ahead";
 import { ballAround, Camera } from "./camera";
 import { carried } from "./carried";
-import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
+import { askForFile, button, choice, element, note, numbered, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
 import { Copybook, type Guides, type LaidText } from "./copybook";
 import { CopybookList } from "./copybook_list";
@@ -109,6 +110,7 @@ class Page {
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
   readonly #stage: Stage;
   readonly #ahead = new Ahead(this.#canvas);
+  readonly #amount = Object.assign(document.createElement("div"), { className: "fields" }); // of a dip
   #contents: Contents | null = null;
   #opened: Opened | null = null; // the piece in hand
   #camera: Camera | null = null;
@@ -488,6 +490,7 @@ class Page {
     if (guides !== undefined) this.#stage.guide(guides);
     if (differs("texts")) this.#showTexts();
     if (differs("layers") || differs("active")) this.#showLayers();
+    if (differs("amount") && !this.#amount.contains(document.activeElement)) this.#showAmount();
     if (differs("brush") || differs("dipped")) this.#showInHand();
     else this.#showState();
     if (picture !== undefined) {
@@ -596,9 +599,11 @@ class Page {
       section(say("water"),
         tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
         button("dry", say("dry"), () => void this.#ask("dry"))),
+      section(say("dipped"),
+        this.#amount,
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on))),
       section(say("hand"),
         slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
         ...(navigator.maxTouchPoints === 0 ? []
           : [tick("fingers", say("fingersPaint"), this.#fingersPaint, (on) => this.#setFingersPaint(on))]),
         ...(hidOf() === null ? [] : [button("mouse", this.#mouseText(), () => this.#plug())])),
@@ -606,7 +611,18 @@ class Page {
     ); // prettier-ignore
     this.#showLayers();
     this.#showTexts();
+    this.#showAmount();
     this.#showState();
+  }
+
+  /** Show how much a dip takes up, in percent of what a whole one does. */
+  #showAmount(): void {
+    const { amount } = this.#inHand().state;
+    const part = (name: keyof DipAmount, range: readonly [number, number, number]): HTMLElement => {
+      const change = (percent: number): void => void this.#ask("setAmount", { [name]: percent / 100 });
+      return numbered(name, `${say(name)}, %`, Number((100 * amount[name]).toFixed(1)), range, () => {}, change);
+    };
+    this.#amount.replaceChildren(part("wetted", [0.1, 100, 0.1]), part("fullness", [5, 300, 5]));
   }
 
   /** How the file of one's own object is read. */
