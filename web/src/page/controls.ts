@@ -68,7 +68,7 @@ export function field(id: string, text: string, value: string, then: (value: str
 /** A text of several lines. */
 export function lines(id: string, text: string, value: string, then: (value: string) => void): HTMLElement {
   const input = document.createElement("textarea");
-  Object.assign(input, { id, value, rows: 2, maxLength: 200, spellcheck: false });
+  Object.assign(input, { id, value, rows: 4, maxLength: 200, spellcheck: false });
   input.addEventListener("change", () => then(input.value));
   return captioned(text, input);
 }

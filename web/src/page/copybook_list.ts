@@ -44,17 +44,19 @@ export class CopybookList {
         choice("texts", say("copybook"), texts.map(({ text }, k) => `${say("texts", { number: k + 1 })} · ${text.replace(/\n/g, " ")}`),
           number, (k) => { this.#chosen = k; this.show(copybook, texts, planned); }),
       ); // prettier-ignore
-    if (laid !== undefined) parts.push(...this.#controls(copybook, laid, number));
+    const asPlanned = note(say("asPlanned", { text: planned, mm: copybook.emMm }));
+    if (laid !== undefined) parts.push(...this.#controls(copybook, laid, number, asPlanned));
     else parts.push(note(say("guideNote")));
     this.element.replaceChildren(
       section(say("copybook"), ...parts,
         button("addText", say("addText"), () => add({ text: planned, em_mm: copybook.emMm })),
         button("sign", say("signature"), () => add({ text: `${yearOf(new Date())}年書`, em_mm: SIGNED_EM_MM, grid: "none" }))),
-      section(say("source"), note(say("asPlanned", { text: planned, mm: copybook.emMm })), note(copybook.licence)),
+      section(say("source"), note(copybook.licence)),
     ); // prettier-ignore
   }
 
-  #controls(copybook: Copybook, laid: LaidText, number: number): HTMLElement[] {
+  /** `asPlanned`: what the hand that shows how is planned for. */
+  #controls(copybook: Copybook, laid: LaidText, number: number, asPlanned: HTMLElement): HTMLElement[] {
     const { acts } = this;
     const change = (words: Partial<LaidText>): void => acts.change(number, words);
     const missing = copybook.missing(laid.text);
@@ -69,6 +71,7 @@ export class CopybookList {
         (k) => change({ order: ORDERS[k] })),
       choice("grid", say("grid"), GRIDS.map((one) => say(one === "columns" ? "ruled" : one)), GRIDS.indexOf(laid.grid),
         (k) => change({ grid: GRIDS[k] })),
+      ...(write.disabled ? [asPlanned] : []),
       write,
       button("place", say("move"), () => acts.place(number)),
       button("takeOff", say("remove"), () => acts.remove(number)),

@@ -88,6 +88,7 @@ export class Engine {
   #passedMs = 0.0; // of that time
   #keptMs = 0.0;
   #pacing: Pacing | null = null; // of a score that is being played, or could not be to its end
+  #stops = false; // a planned hand
   #mayPush = true; // no picture is on its way to the page
   #isDue = false; // something is to be told
   #amount: DipAmount | null = null; // of the next dip; null: as of the last
@@ -362,6 +363,11 @@ export class Engine {
     if (this.painting.texts.length === nShown) this.#act(() => this.painting.removeText(number));
   }
 
+  /** Have the planned hand stop, after its stroke. */
+  stopWriting(): void {
+    this.#stops = true;
+  }
+
   /** Have a planned hand write a text, by its brush. */
   async write(number: number, ink: string): Promise<void> {
     const { painting, studio } = this;
@@ -370,7 +376,9 @@ export class Engine {
     if (copybook === null || laid === undefined || this.#inStroke) return;
     const brush = await studio.brush(copybook.brush);
     if (painting.painter.brush !== brush) painting.setBrush(brush);
+    this.#stops = false;
     for (const stroke of copybook.strokes(painting.closest, laid)) {
+      if (this.#stops) return;
       this.#dip(ink);
       painting.beginStroke();
       try {
