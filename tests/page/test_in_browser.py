@@ -787,6 +787,9 @@ def test_a_painting_that_cannot_be_played_to_its_end_is_not_kept(
          "its ink flows in steps of 0.1 s; in a page these are 0.05 s"),
         ('{"do": "dip", "amount": {"wetted": 2}}\n',
          'a dip is {"wetted":2}; expected wetted, .001 to 1, and fullness, .05 to 3'),
+        ('{"do": "dip", "reach": 0.3}\n', "a page does not play dip with reach"),
+        ('{"do": "begin_stroke"}\n{"time_ns": 1, "force": 2}\n',
+         "a page does not play a sample with force"),
     ):  # fmt: skip
         with pytest.raises(AssertionError) as refused:
             browser.evaluate(
