@@ -430,7 +430,7 @@ def test_pits_that_leave_pores_no_depth_take_few_stages() -> None:
 
     with mock.patch.object(flows, "move_water", count):
         washed(material=coarse, size=14.0).diffuse(0.5)
-    assert 0 < max(taken) < 60
+    assert 0 < max(taken) < 300  # 59; without a least entry depth 12,123
 
 
 @pytest.mark.parametrize("material", ["xuan", "bisque"])
