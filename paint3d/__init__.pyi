@@ -11,6 +11,7 @@ from .files.project.session import Session as Session
 from .files.project.session import load_session as load_session
 from .files.project.session import save_session as save_session
 from .mesh.triangle_mesh import TriangleMesh as TriangleMesh
+from .page.notebook import edit as edit
 from .painter.stroke_table import StrokeTable as StrokeTable
 from .recording.recording import Recording as Recording
 from .recording.recording import load_recording as load_recording

@@ -53,9 +53,9 @@ __all__ = [
     "check_grains",
 ]
 
-KERNELS = Path(__file__).with_name("machine_code")
+KERNELS: Path = Path(__file__).with_name("machine_code")
 """Where ``python -m tools.kernels --for wasm32`` puts the kernels."""
-BUILT = Path(__file__).with_name("built")
+BUILT: Path = Path(__file__).with_name("built")
 """Where ``npm run build`` in web/ puts the page."""
 
 
@@ -68,8 +68,17 @@ class PageObject(NamedTuple):
 
 
 OBJECTS = (PageObject("bowl", 0.4), PageObject("square", 0.4))
-BRUSHES = ("zhongkai", "full", "xiaokai", "zhongbaiyun", "gongbi", "feibai")
-INKS = ("pine soot", "heavy", "light", "clear", "cinnabar", "indigo", "gamboge", "carmine")
+BRUSHES: tuple[str, ...] = ("zhongkai", "full", "xiaokai", "zhongbaiyun", "gongbi", "feibai")
+INKS: tuple[str, ...] = (
+    "pine soot",
+    "heavy",
+    "light",
+    "clear",
+    "cinnabar",
+    "indigo",
+    "gamboge",
+    "carmine",
+)
 MATERIALS = ("porcelain", "bisque", "xuan", "sized xuan", "silk")
 COPYBOOK = "永"
 COPYBOOK_EM_MM = 40.0

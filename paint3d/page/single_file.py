@@ -46,7 +46,7 @@ from paint3d.painter.ink_time import PIECE_S
 from paint3d.recording.score import Event, Score, write_score
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["page_score", "write_single_file"]
+__all__ = ["bare_score", "page_score", "page_text", "write_single_file"]
 
 MOST_TRIANGLES = 500_000
 """Of an object that a page has memory for, as of one that somebody brings to it."""
@@ -54,16 +54,9 @@ MOST_STEPS, MOST_BYTES = 30, 1 << 28
 """Steps that a page keeps to take back, and their bytes; the last one is kept in any case."""
 _SCORE = "painting.score.jsonl"
 _HEAD = {"format": "paint3d-recording", "version": 2}
-_PLAYED = {
-    "begin_stroke": {"erase"}, "end_stroke": set(), "set_brush": {"brush"},
-    "dip": {"ink", "amount"}, "undo": set(), "redo": set(), "dry": set(),
-    "follow_time": {"seconds", "times"},
-    "press_seal": {"rings", "at", "up", "ink", "coats", "pad_mm", "wear", "seed"},
-    "lay_text": {"text", "number"}, "remove_text": {"number"}, "add_layer": set(),
-    "remove_layer": {"place"}, "select_layer": {"place"}, "move_layer": {"place", "to"},
-    "set_visible": {"place", "visible"}, "rename_layer": {"place", "name"},
-    "set_opacity": {"place", "opacity"}, "set_blend": {"place", "blend"},
-}  # fmt: skip
+_PLAYED: Mapping[str, Sequence[str]] = json.loads(
+    Path(__file__).with_name("played.json").read_text("utf-8")
+)
 """What a page plays (`Document.repeat`, web/src/page/document.ts), and the words that it heeds."""
 _NO_STEPS = {"end_stroke", "set_brush", "dip", "follow_time", "select_layer", "set_visible",
              "rename_layer"}  # fmt: skip
@@ -89,6 +82,40 @@ def page_score(session: Session, progress: Progress | None = None) -> Score:
         Why a page cannot paint it.
     """
     surface = session.surface
+    _check_object(surface)
+    score = session.score if session.score is not None else _of_recordings(session)
+    played = _as_played(score, surface)
+    again = _painted(played, surface.source, progress)
+    if again.n_vertices != surface.n_vertices or not np.array_equal(again.srgb, surface.srgb):
+        raise InputError("what was recorded of it gives another painting")
+    return played
+
+
+def bare_score(surface: PaintedSurface, brush: str, ink: str) -> Score:
+    """The score of a bare surface, on which nothing was done yet.
+
+    Raises
+    ------
+    InputError, UnknownNameError
+        If it is painted, or a page cannot paint on it by this brush in this ink.
+    """
+    if surface.painted.any():
+        raise InputError(
+            "it is not recorded how this surface was painted; expected a bare one, or a session"
+        )
+    _check_object(surface)
+    header = make_header(surface, load_brush(brush), load_ink(ink), InkTable({}))
+    return _as_played(Score({**_HEAD, **header}, ()), surface)
+
+
+def _check_object(surface: PaintedSurface) -> None:
+    """Refuse what a page cannot paint on.
+
+    Raises
+    ------
+    InputError
+        Why not.
+    """
     n = len(surface.source.faces)
     if n > MOST_TRIANGLES:
         raise InputError(
@@ -100,12 +127,6 @@ def page_score(session: Session, progress: Progress | None = None) -> Score:
         raise InputError("its object was meshed anew since it was painted first")
     if surface.resolution is None:
         raise InputError("its object is painted as it is, without a resolution")
-    score = session.score if session.score is not None else _of_recordings(session)
-    played = _as_played(score, surface)
-    again = _painted(played, surface.source, progress)
-    if again.n_vertices != surface.n_vertices or not np.array_equal(again.srgb, surface.srgb):
-        raise InputError("what was recorded of it gives another painting")
-    return played
 
 
 def _painted(score: Score, mesh: TriangleMesh, progress: Progress | None) -> PaintedSurface:
@@ -274,7 +295,7 @@ def _events(events: Sequence[Event], header: Mapping[str, Any]) -> Iterator[Even
             continue  # none
         if name in hand and line == {"do": name, **hand[name]}:
             continue  # as it is
-        others = sorted(set(line) - {"do"} - _PLAYED.get(name, set()))
+        others = sorted(set(line) - {"do", *_PLAYED.get(name, ())})
         if name not in _PLAYED or others:
             what = name if name not in _PLAYED else f"{name} with {others[0]}"
             raise InputError("its recording has {what}, which a page does not play", what=what)
@@ -327,26 +348,64 @@ def write_single_file(
     ExportError
         If the page or its kernels are not built, or the file cannot be written.
     """
-    surface = session.surface
-    brushes = [str(score.header["brush"])]
-    inks = [score.header["ink"]]
+    called = title or path.name.removesuffix(path.suffix)
+    whole = page_text(
+        session.surface, score, called, part_of(progress, 0.0, 0.9), page=page, kernels=kernels
+    )
+    with write_atomically(path, progress) as temporary:
+        temporary.write_text(whole, encoding="utf-8", newline="\n")
+
+
+def page_text(
+    surface: PaintedSurface,
+    score: Score,
+    title: str,
+    progress: Progress | None = None,
+    *,
+    brushes: Sequence[str] = (),
+    inks: Sequence[str] = (),
+    is_hosted: bool = False,
+    page: Path = BUILT,
+    kernels: Path = KERNELS,
+) -> str:
+    """A painting, and the studio that goes on with it, as one HTML text.
+
+    Parameters
+    ----------
+    surface, score, title, progress, page, kernels
+        As for `write_single_file`.
+    brushes, inks : sequence of str
+        To paint on with, beside those that the score has.
+    is_hosted : bool
+        What shows it in a frame keeps what is painted, rather than the browser.
+
+    Raises
+    ------
+    ExportError
+        If the page or its kernels are not built.
+    """
+    used_brushes, used_inks = [str(score.header["brush"])], [score.header["ink"]]
     for event in score.events:
         if not isinstance(event, Recording):
-            brushes += [event["brush"]] if event["do"] == "set_brush" else []
-            inks += [event["ink"]] if "ink" in event else []
+            used_brushes += [event["brush"]] if event["do"] == "set_brush" else []
+            used_inks += [event["ink"]] if "ink" in event else []
     one = PageObject(surface.source.name, float(surface.resolution or 0.0), surface.source)
-    told = part_of(progress, 0.0, 0.9) or (lambda share: None)
+    all_brushes = list(dict.fromkeys([*used_brushes, *brushes]))
+    all_inks = list(dict.fromkeys([*_named_inks(used_inks), *inks]))
     with TemporaryDirectory() as folder:
         built = Path(folder)
         build_page(
-            built, [one], list(dict.fromkeys(brushes)), _named_inks(inks), told,
+            built, [one], all_brushes, all_inks, progress or (lambda fraction: None),
             materials=[surface.material.name], page=page, kernels=kernels,
         )  # fmt: skip
         text = "".join(write_score(score))
         digest = hashlib.sha256(text.encode()).hexdigest()
         contents = json.loads((built / "contents.json").read_text("utf-8"))
-        called = title or path.name.removesuffix(path.suffix)
-        contents["painting"] = {"title": called, "id": digest[:16]}
+        if score.events:
+            contents["painting"] = {"title": title, "id": digest[:16]}
+            (built / _SCORE).write_text(text, "utf-8")
+        if is_hosted:
+            contents["hosted"] = True
         for ink in contents["inks"]:
             if ":" in ink["name"]:  # a mixture that has no name of its own
                 pigments = [load_pigment(name) for name in ink["parts"]]
@@ -355,10 +414,7 @@ def write_single_file(
                 ink["name"] = ", ".join(f"{one.name} {share}" for one, share in both)
                 ink["chinese"] = "、".join(f"{one.chinese} {share}" for one, share in both)
         (built / "contents.json").write_text(json.dumps(contents, ensure_ascii=False), "utf-8")
-        (built / _SCORE).write_text(text, "utf-8")
-        whole = _joined(built, called)
-    with write_atomically(path, progress) as temporary:
-        temporary.write_text(whole, encoding="utf-8", newline="\n")
+        return _joined(built, title)
 
 
 def _named_inks(used: Sequence[Mapping[str, float]]) -> list[str]:

@@ -47,6 +47,7 @@ __all__ = [
     "is_score",
     "joined_parts",
     "load_score",
+    "read_score",
     "save_score",
     "schema",
     "write_score",
@@ -337,6 +338,11 @@ def load_score(
     with opened(path) as (raw, stream):
         on_read = None if progress is None else share_read(raw, progress)
         return _read(TextLines(stream, name, on_read), name)
+
+
+def read_score(text: str, name: str) -> Score:
+    """The same of a text; `name` is what messages call it."""
+    return _read(iter(enumerate(text.splitlines(), 1)), name)
 
 
 def _read(lines: Iterator[tuple[int, str]], name: str) -> Score:

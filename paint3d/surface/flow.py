@@ -225,16 +225,17 @@ class Flow:
         self._ease = _EASE
         now, self.waiting = patch.open_some(fresh, _OPENED)
         self._waited = self._waited + seconds if len(self.waiting) else 0.0
-        self._take_up(now)
+        under_tuft = self._take_up(now)
         if not patch.open_wet(_OPENED):
             patch.owed += seconds
             patch.write_surface()
             return False
         pieces = max(1, math.ceil(seconds / _PIECE))
-        for _ in range(pieces):
-            patch.owed += seconds / pieces
-            wet = patch.wet_blocks()
-            self._step(self._most_urgent(self._due(wet, patch.pace[wet]), most_nodes))
+        with patch.held(under_tuft):
+            for _ in range(pieces):
+                patch.owed += seconds / pieces
+                wet = patch.wet_blocks()
+                self._step(self._most_urgent(self._due(wet, patch.pace[wet]), most_nodes))
         patch.write_surface()
         wet = patch.wet_blocks()
         is_late = patch.owed[wet] >= np.maximum(_LATE, 3.0 * patch.pace[wet])
@@ -259,16 +260,19 @@ class Flow:
         n = int(np.searchsorted(sizes, most_nodes, side="right"))
         return np.sort(due[late[: max(1, n)]])
 
-    def _take_up(self, fresh: AnyArray) -> None:
-        """Synchronise with ink that changed, after bringing the water there up to the present."""
+    def _take_up(self, fresh: AnyArray) -> AnyArray:
+        """Synchronise with ink that changed, after bringing the water there up to the present.
+
+        Returns the nodes (K,) on which a tuft lies.
+        """
         patch = self._patch
         at = patch.find_changed(fresh)
         if not len(at):
-            return
+            return at
         blocks = np.unique(patch.graph.block[patch.graph.node_of[at]])
         owed = patch.owed[blocks]
         self._step(blocks[np.isfinite(owed) & (owed > 0.0)])
-        patch.read_surface(at)
+        return patch.read_surface(at)
 
     # -- steps ------------------------------------------------------------------------------
 

@@ -577,6 +577,15 @@ class PaintedSurface(InkStore):
         """
         return plot_painting(self, lit=lit, plotter=plotter, options=options)
 
+    def edit(self, **options: Any) -> Any:
+        """Show the bare surface in a cell of Jupyter or marimo, to be painted on.
+
+        What is painted there does not change it: see `paint3d.edit`, which this calls.
+        """
+        from paint3d import edit
+
+        return edit(self, **options)
+
     def wet_ink(self) -> float:
         """Return the wet pigment on the surface, coats x mm2."""
         own = float(self.vertex_areas @ (self.amounts @ self._lasting.astype(np.float64)))

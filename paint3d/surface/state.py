@@ -89,9 +89,10 @@ def surface_state(surface: PaintedSurface) -> State:
 
         flows (bool) says whether there is water in motion (`WetPatch`); if so, for the C vertices
         with any trace of it: flow_vertices (C,) int32, flow_water (C,), flow_pigment, flow_fine
-        and flow_loose (C, P) float64, flow_inside, flow_soaked, flow_owed, flow_pace (C,) and
-        flow_written (C, P) float32; flow_fresh (N,) int32 vertices. Older files have no flow_fine:
-        the same fraction of all pigment is fine; nor flow_loose: none is. open_blocks (B,) int32
+        and flow_loose (C, P) float64, flow_inside, flow_soaked, flow_laid, flow_owed, flow_pace
+        (C,) and flow_written (C, P) float32; flow_fresh (N,) int32 vertices. Older files have no
+        flow_fine: the same fraction of all pigment is fine; nor flow_loose: none is; nor flow_laid:
+        brushes laid all water. open_blocks (B,) int32
         are the blocks of its `FlowGraph` where water has been.
 
         layers is None, or a list of what `Layer` says of each, the lowest first;
@@ -452,6 +453,9 @@ def checked_flow(
     for name, most in _FLOW.items():
         dtype = np.float64 if name == "water" else np.float32
         kept[name] = _amounts(state, f"flow_{name}", shape, np.float64, most).astype(dtype)
+    kept["laid"] = kept["water"].astype(np.float32)  # in older files
+    if "flow_laid" in state:
+        kept["laid"] = _amounts(state, "flow_laid", shape, np.float32)
     shape = (*shape, n_pigments)
     kept["pigment"] = _amounts(state, "flow_pigment", shape, np.float64)
     kept["fine"] = USUAL_FINE * kept["pigment"]

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,7 +19,7 @@ from paint3d.surface.pores import Pores, close_pores, even_exp, find_pores, mobi
 
 __all__ = ["FIRST_PACE", "WetPatch"]
 
-_KEPT = ("water", "inside", "soaked", "pigment", "fine", "loose")
+_KEPT = ("water", "inside", "soaked", "laid", "pigment", "fine", "loose")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
     *_KEPT, "changed", "residual", "strength", "sieve", "catch", "entry_depth", "entry",
@@ -26,7 +27,9 @@ _OF_NODES = (
 )  # fmt: skip
 _OF_PORES = ("residual", "strength", "sieve", "catch", "bare_entry_depth", "bare_conductance")
 _THICK = 9.0  # coats to the mm of liquid from which on soot's flocs hold together: one part in 4
-_LOOSE = 0.95  # of its flocs that ever more water parts
+_LOOSE = 0.6  # of its flocs that ever more water parts
+_LAID = 0.5  # of the water on a node, what brushes laid at least if it did not run there
+_FRESH = 0.02  # of the liquid on a node, what comes at once where a tuft with ink is
 _PARTICLES = 0.65  # what is not fine of a pigment that has no more of a dye than soot has
 FIRST_PACE = 1.0 / 30.0  # s: the time step of a block after ink arrived
 
@@ -68,6 +71,8 @@ class WetPatch:
         See `kernels.diffusion.solve_edges`.
     soaked : (N,) float32
         Fullest since it was last dry: water over `entry_depth`, 0 to 1.
+    laid : (N,) float32
+        Depth that brushes have laid there since it was last dry, mm.
     changed : (N,) bool
         Nodes whose ink moved since it was handed back.
     owed : (B,) float32
@@ -100,7 +105,7 @@ class WetPatch:
         for name in _OF_NODES:
             setattr(self, name, np.zeros(0))
         self.changed, self.place = np.zeros(0, bool), np.zeros(0, np.int32)
-        self.inside, self.soaked = np.zeros((2, 0), np.float32)
+        self.inside, self.soaked, self.laid = np.zeros((3, 0), np.float32)
         self.pigment, self.fine, self.loose = np.zeros((3, 0, count))
         self._find_mobility()
         self.written, self.share = np.zeros((0, count), np.float32), np.zeros(0)
@@ -202,8 +207,11 @@ class WetPatch:
         result: AnyArray = at[(now != self.written[at]).any(axis=1)]
         return result
 
-    def read_surface(self, at: AnyArray) -> None:
-        """Apply changes of the ink at places (N,) to water and pigment; see `find_changed`."""
+    def read_surface(self, at: AnyArray) -> AnyArray:
+        """Apply changes of the ink at places (N,) to water and pigment; see `find_changed`.
+
+        Returns the nodes (K,) on which a tuft lies, to judge by what has come.
+        """
         graph = self.graph
         now = self._store.ink.amounts[graph.vertices[at]]
         change = (now - self.written[at]).astype(np.float64)
@@ -218,11 +226,19 @@ class WetPatch:
         np.multiply.at(self.water, node, kept)
         is_water = np.array([p is WATER for p in self._store.pigments])
         coats = np.maximum(change[:, ~is_water], 0.0).sum(axis=1)
+        with_ink = coats > 0.0
+        own = np.divide(came, coats, out=np.zeros_like(came), where=with_ink)
         coats += self.pigment[node].sum(axis=1)  # what comes runs together with what is there
-        liquid = self.water[node] + came
+        # What ran ahead of a tuft is one with it: of the liquid there it leaves what its ink has
+        there = self.water[node]
+        ran = with_ink & (self.laid[node] < _LAID * there)
+        added = np.where(ran, np.minimum(came, np.maximum(own * coats - there, 0.0)), came)
+        liquid = there + added
         thick = np.divide(coats, _THICK * liquid, out=np.ones_like(came), where=liquid > 0.0)
         thin = np.maximum(0.0, 1.0 - thick * thick)
-        np.add.at(self.water, node, share * came)
+        under_tuft = np.unique(node[with_ink & (came > _FRESH * liquid)])
+        np.add.at(self.water, node, share * added)
+        np.add.at(self.laid, node, (share * came).astype(np.float32))
         self._add_pigment(node, share[:, None] * change, thin)
         self.written[at] = now
         for column, pigment in enumerate(self._store.pigments):
@@ -239,6 +255,7 @@ class WetPatch:
         block = graph.block[laid]
         self.pace[block] = FIRST_PACE
         self.owed[block[np.isinf(self.owed[block])]] = 0.0
+        return under_tuft
 
     def _add_pigment(self, node: AnyArray, change: AnyArray, thin: AnyArray) -> None:
         """Add pigment (N, P) to nodes (N,), or remove it, of all kinds in proportion.
@@ -298,7 +315,7 @@ class WetPatch:
         ink.amounts[ids] = now - came
         painted = coverage > 0.0
         self.pigment[nodes] = self.fine[nodes] = self.loose[nodes] = 0.0
-        self.soaked[nodes] = 0.0
+        self.soaked[nodes] = self.laid[nodes] = 0.0
         self._store.settle(ids[painted])
         dry = self._store.dry_layers
         self._seen = (dry, dry.changes)
@@ -308,6 +325,17 @@ class WetPatch:
         ink.amounts[ids] = came
         ink.coverage[ids] = np.where(came.any(axis=1), coverage, ink.coverage[ids])
         self.written[at] = 0.0
+
+    @contextmanager
+    def held(self, nodes: AnyArray) -> Iterator[None]:
+        """Let no water run from or to nodes (N,) meanwhile: a tuft lies there."""
+        running = self.conductance[nodes]
+        self.conductance[nodes] = 0.0
+        self._weigh(nodes)
+        yield
+        as_held = self.conductance[nodes] == 0.0  # or its pores have been closed anew
+        self.conductance[nodes[as_held]] = running[as_held]
+        self._weigh(nodes)
 
     # -- growth -----------------------------------------------------------------------------
 
@@ -437,4 +465,6 @@ class WetPatch:
         """Multiply weights by the harmonic mean of the conductance factors at both ends."""
         graph = self.graph
         start, end = self.conductance[graph.owner[links]], self.conductance[graph.links[links]]
-        self.weights[links] = graph.weights[links] * (2.0 * start * end / (start + end))
+        both = start * end
+        mean = np.divide(2.0 * both, start + end, out=np.zeros_like(both), where=both > 0.0)
+        self.weights[links] = graph.weights[links] * mean

@@ -125,11 +125,12 @@ def test_from_above_a_sheet_fills_the_picture(program) -> None:
         assert share.max() > 0.8
 
 
+@pytest.mark.usefixtures("few_pixels")
 def test_a_picture_of_a_sheet_to_its_edges_has_its_shape(program, tmp_path) -> None:
     def choose(dialog: ExportDialog) -> None:
         view = dialog.choices["view"]
         view.setCurrentIndex(view.findData("flat"))
-        assert dialog.picture_size() == (924, 2771)
+        assert dialog.picture_size() == (231, 693)
         dialog.accept()
 
     def name(dialog: QtWidgets.QFileDialog) -> None:
@@ -142,8 +143,8 @@ def test_a_picture_of_a_sheet_to_its_edges_has_its_shape(program, tmp_path) -> N
         window.workspace.actions["export"].trigger()
         wait_for((tmp_path / "sheet.png").exists)
     with Image.open(tmp_path / "sheet.png") as picture:
-        assert picture.size == (924, 2771)
-        pixels = np.array(picture.convert("RGB"))[8:-8, 8:-8].reshape(-1, 3)
+        assert picture.size == (231, 693)
+        pixels = np.array(picture.convert("RGB"))[2:-2, 2:-2].reshape(-1, 3)
     assert np.ptp(pixels.astype(int), axis=0).max() < 24  # paper alone, and nothing beside it
 
 

@@ -24,6 +24,7 @@ from tests.support.app.windows import opened, settled
 KEY, CONTROL = QtCore.Qt.Key, QtCore.Qt.KeyboardModifier.ControlModifier
 
 
+@pytest.mark.usefixtures("few_pixels")
 def test_a_signed_scroll_comes_about_by_what_each_dialog_proposes(program, tmp_path: Path) -> None:
     with opened(program, "plane", 8.0, "porcelain", drawn=False) as window:
         panel = window.panels.copybook
@@ -44,10 +45,10 @@ def test_a_signed_scroll_comes_about_by_what_each_dialog_proposes(program, tmp_p
         wait_for(lambda: window.document.surface.source.name == "scroll:60x200")
         assert window.workspace.painting.material.name == "xuan"
         window.workspace.actions["lay_out"].trigger()
-        panel.text.insertPlainText("一人，十口。")  # over what is proposed, which is chosen
+        panel.text.insertPlainText("一，十。")  # over what is proposed, which is chosen
         click_button(panel, "Lay out")
         wait_for(lambda: len(window.document.texts) == 1)
-        assert window.document.texts[0].text.replace("\n", "") == "一人十口"
+        assert window.document.texts[0].text.replace("\n", "") == "一十"
         write(1)
 
         def sign(dialog: QtWidgets.QInputDialog) -> None:
@@ -81,6 +82,6 @@ def test_a_signed_scroll_comes_about_by_what_each_dialog_proposes(program, tmp_p
         pixels = np.array(picture.convert("RGB")).astype(int)
     red = (pixels[..., 0] - pixels[..., 1] > 60).nonzero()
     black = (pixels.max(axis=2) < 90).nonzero()
-    assert len(black[0]) > 2000
+    assert len(black[0]) > 125
     assert red[0].mean() > black[0].mean()  # the seal stands low
     assert red[1].mean() < black[1].mean()  # and to the left

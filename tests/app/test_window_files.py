@@ -220,6 +220,7 @@ def test_formats_are_listed_by_name_and_the_last_comes_first(window, tmp_path: P
     assert seen[1] == ["Wavefront OBJ (*.obj)"]
 
 
+@pytest.mark.usefixtures("few_pixels")
 def test_of_a_flat_sheet_a_picture_to_its_edges_comes_first(program, tmp_path: Path) -> None:
     seen = []
 

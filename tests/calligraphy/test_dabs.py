@@ -74,7 +74,7 @@ def bare_in(glyph: Glyph, footprints: FootprintTable, asked: PlanSettings) -> tu
 @pytest.mark.parametrize(
     ("inner", "azimuth"),
     long_but(
-        [(gear(24), "commanded"), (HOOKS, "commanded")],
+        [(gear(9), "commanded"), (HOOKS, "commanded")],
         [
             (inner, azimuth)
             for inner in (gear(24), gear(9), HOOKS)

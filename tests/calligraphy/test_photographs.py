@@ -189,7 +189,7 @@ def test_trials_bring_flying_white_where_it_was() -> None:
         likeness_of(sheet, painted_copy(sheet, sheet.page, "xuan", trials, 0.4))
         for trials in (0, 2)
     )
-    assert after.dryness_r > without.dryness_r + 0.1
+    assert 1.0 - after.dryness_r < 0.5 * (1.0 - without.dryness_r)
     assert after.dryness_error < 0.75 * without.dryness_error
 
 
@@ -266,7 +266,7 @@ def rubbing_of(text: str, seed: int) -> tuple[np.ndarray, np.ndarray, int]:
 
 
 @pytest.mark.parametrize(
-    ("text", "seed"), long_but([("永", 1)], [("永", 1), ("木山", 2), ("和", 3)])
+    ("text", "seed"), long_but([("永", 1)], [("永", 1), ("木大", 2), ("和", 3)])
 )
 def test_stone_grain_is_neither_strokes_nor_flying_white(text: str, seed: int) -> None:
     pixels, carved, n = rubbing_of(text, seed)

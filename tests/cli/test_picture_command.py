@@ -52,13 +52,14 @@ def test_the_choices_are_those_of_the_view() -> None:
 
 
 @needs_opengl
+@pytest.mark.usefixtures("few_pixels")
 @pytest.mark.parametrize(("name", "size"), [("a.p3d", None), ("a.ply", (400, 200))])
 def test_a_flat_picture_of_a_session_or_a_mesh(saved: Path, tmp_path: Path, name, size) -> None:
     out = tmp_path / "flat.png"
     asked = () if size is None else ("--pixels", "x".join(map(str, size)))
     assert run(saved / name, "--out", out, "--view", "flat", *asked) == 0
     with Image.open(out) as image:
-        assert image.size == (size or (2263, 1131))
+        assert image.size == (size or (566, 283))
         pixels = np.asarray(image)
     red = (pixels[..., 0] > 1.5 * pixels[..., 1].astype(float)).mean()
     assert 0.01 < red < 0.3  # cinnabar

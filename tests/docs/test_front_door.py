@@ -11,11 +11,13 @@ import pytest
 
 from paint3d.calligraphy.kanjivg import find_kanjivg
 from paint3d.cli.main import main, make_parser
+from tests.support.examples import ALL
 
 ROOT = Path(__file__).parents[2]
 BLOCK = re.compile(r"^```(\w+)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 INPUTS = ("logo.svg", "mug.csv", "orders.csv", "bamboo.score.jsonl")
 BY_HAND = {"paint", "devices", "bench", "study"}  # a window, hardware, or minutes: parsed alone
+FEW = 3  # characters of a text, but with --long
 NEEDS = {"Anna": "uharfbuzz", "--svg": "svgelements", "copy": "skimage", "compose": "svgelements",
          "--illuminant": "colour", "--compare": "colour"}  # fmt: skip
 
@@ -48,6 +50,8 @@ def run(page: str, capsys: pytest.CaptureFixture[str]) -> None:
         for word, package in NEEDS.items():
             if word in words:
                 pytest.importorskip(package)
+        if words[0] == "write" and not ALL:  # each character is planned for a second
+            words[1] = words[1][:FEW]
         assert main(words) == 0, (words, capsys.readouterr().err)
         for name in ("out", "file", "recording"):
             written = getattr(chosen, name, None)

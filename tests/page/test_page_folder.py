@@ -191,14 +191,17 @@ def test_a_command_that_cannot_be_done_says_so_in_a_line(
 
 
 @pytest.mark.skipif(not (KERNELS / "index.json").is_file(), reason="no kernels for a page")
-def test_the_command_writes_what_a_page_needs(tmp_path: Path, monkeypatch, capsys) -> None:
+@pytest.mark.parametrize(
+    "seals", [("--seals", "一"), pytest.param((), id="every", marks=pytest.mark.long)]
+)
+def test_the_command_writes_what_a_page_needs(seals, tmp_path: Path, monkeypatch, capsys) -> None:
     page = tmp_path / "page"
     page.mkdir()
     (page / "index.html").write_text("<p>")
     monkeypatch.setattr("paint3d.page.folder.BUILT", page)
     out = tmp_path / "studio"
     words = ["--on", "sheet:40x30", "--resolution", "1", "--brush", "xiaokai", "--ink", "light"]
-    assert main(["page", "build", str(out), *words]) == 0
+    assert main(["page", "build", str(out), *words, *seals]) == 0
     assert f"wrote {out}, " in capsys.readouterr().out
     assert (out / "index.html").read_text() == "<p>"
     assert (out / "kernels.wasm").read_bytes()[:4] == b"\0asm"

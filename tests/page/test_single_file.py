@@ -19,10 +19,10 @@ from paint3d.files.load import load_mesh
 from paint3d.files.project.session import Session, load_session, save_session
 from paint3d.page import folder, single_file
 from paint3d.page.folder import KERNELS
-from paint3d.page.single_file import page_score
+from paint3d.page.single_file import bare_score, page_score, page_text
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
-from paint3d.recording.score import Score, load_score
+from paint3d.recording.score import Score, load_score, write_score
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.chromium import Browser, browser_path, opened
 from tests.support.web_page import built_page, hashes_of, why_no_kernels
@@ -263,6 +263,39 @@ def test_what_the_command_line_painted_is_gone_on_with_by_its_dips(
         assert browser.complaints() == []
 
 
+def stands_in_a_cell(browser: Browser, tmp_path: Path) -> None:
+    """A notebook's cell hears what is painted in its frame; the frame goes on with what was."""
+    surface = PaintedSurface(load_mesh("square"), 0.8)
+    score = bare_score(surface, "zhongkai", "pine soot")
+    page = page_text(surface, score, "a", is_hosted=True, page=folder.BUILT, kernels=KERNELS)
+    view = Path(single_file.__file__).with_name("editor.js").read_text("utf-8")
+    kept = "".join(write_score(Score(score.header, tuple(drawn(-40.0)))))
+    browser.evaluate(f"""(() => {{ {view.replace("export default", "window.cell =")}
+        window.said = {json.dumps(kept)};
+        window.had = {{ _page: {json.dumps(page)}, _height: 700 }};
+        cell.render({{ el: document.body, model: {{
+          get: (name) => had[name], set: (name, value) => (had[name] = value),
+          save_changes: () => {{}}, on: (_, hear) => (window.hear = hear), off: () => {{}},
+          send: ({{ paint3d, text, view }}) => {{
+            if (paint3d === "read") hear({{ paint3d: "kept", text: said, view }});
+            else said = paint3d === "begin" ? text : said + text;
+          }} }} }}) }})()""")
+    inner = "document.querySelector('iframe').contentWindow"
+    browser.wait_for(f"(w => !!w.paint3d && w.document.getElementById('message').hidden)({inner})")
+    browser.evaluate(f"(wet => wet.checked && wet.click())({inner}.document.getElementById('wet'))")
+    browser.stroke([(400.0 + 3.0 * k, 300.0 + k, 0.2 + 0.005 * k) for k in range(60)], tiltX=20)
+    found = browser.evaluate(f"{inner}.paint3d.hashes()")
+    path = tmp_path / "told.score.jsonl"
+    path.write_text(browser.evaluate("said"), "utf-8")
+    told = load_score(path)
+    assert len(told.strokes()) == 2
+    hashes = hashes_of(painted(told, surface.source).surface)
+    assert found == {name: hashes[name] for name in SHOWN}
+    browser.evaluate("hear({ paint3d: 'heard', strokes: 5 }); hear({ paint3d: 'kept', view: '' })")
+    left = "This painting goes on where it was shown last."
+    assert browser.evaluate("[had.strokes, document.body.textContent]") == [5, left]
+
+
 @in_browser
 def test_it_is_opened_as_a_file_grows_and_is_painted_on_as_on_the_desktop(
     painting: Session, built: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
@@ -279,7 +312,12 @@ def test_it_is_opened_as_a_file_grows_and_is_painted_on_as_on_the_desktop(
     )  # fmt: skip
     replay = "document.getElementById('replay').click()"
     ours = hashes_of(painting.surface)
-    with opened("about:blank", tmp_path / "profile", (960, 720)) as browser:
+    notebook = tmp_path / "notebook.html"
+    notebook.write_text("<body style='margin: 0'>")
+    with opened(notebook.as_uri(), tmp_path / "profile", (960, 720)) as browser:
+        stands_in_a_cell(browser, tmp_path)
+        assert all("hid is not allowed" in said for said in browser.complaints())  # in a file
+        browser.heard.clear()
         browser.call("Network.enable")
         browser.call("Page.navigate", url=file.as_uri())
         browser.wait_for(IDLE)

@@ -91,11 +91,18 @@ def paint_plainly(hairs: int) -> None:
     narrow = Recording(time_ns, position, orientation, 0.0 * t + 0.1)
     corners = [[-40.0, -40.0, 0.0], [40.0, -40.0, 0.0], [40.0, 40.0, 0.0], [-40.0, 40.0, 0.0]]
     plane = TriangleMesh(np.array(corners), np.array([[0, 1, 2], [0, 2, 3]], np.int32))
-    surface = PaintedSurface(plane, resolution=0.6, material="plaster")
-    surface.refine_all()  # by the compiled kernels
-    transfer = surface.ink.transfer
-    surface.ink = surface.ink._replace(transfer=transfer.view((Record, transfer.dtype)))
-    painter = Painter(surface, "full", hairs=hairs)
+
+    def painter_on(resolution: float) -> Painter:
+        surface = PaintedSurface(plane, resolution, "plaster")
+        surface.refine_all()  # by the compiled kernels
+        transfer = surface.ink.transfer
+        surface.ink = surface.ink._replace(transfer=transfer.view((Record, transfer.dtype)))
+        return Painter(surface, "full", hairs=hairs)
+
+    fine = painter_on(0.6)  # whose cells lie within an outline
+    fine.replay(Recording(time_ns[:2] // 8, position[:2], orientation[:2], 0.0 * t[:2] + 0.8))
+    painter = painter_on(1.2)
+    surface = painter.surface
     painter.replay(stroke)
     painter.replay(narrow)
     surface.ink.amounts[:] *= 0.1  # as where it has dried

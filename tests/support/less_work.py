@@ -8,7 +8,7 @@ import pytest
 
 from tests.support.examples import ALL
 
-__all__ = ["coarse", "nothing_planned_ahead"]
+__all__ = ["coarse", "few_pixels", "nothing_planned_ahead"]
 
 _SPACING_MM = 1.2
 
@@ -27,6 +27,15 @@ def coarse(monkeypatch: pytest.MonkeyPatch) -> None:
         begin(self, mesh, spacing, *others, **named)
 
     monkeypatch.setattr(PaintedSurface, "__init__", begin_coarsely)
+
+
+@pytest.fixture
+def few_pixels(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take pictures of which no size is asked with a sixteenth of the usual pixels."""
+    from paint3d.view import shot
+
+    width, height = shot.SIZE
+    monkeypatch.setattr(shot, "SIZE", (width // 4, height // 4))
 
 
 @pytest.fixture(scope="module")

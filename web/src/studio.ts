@@ -24,6 +24,7 @@ export interface Contents {
   materials: { name: string; chinese: string; file: string }[];
   copybook?: { file: string; text: string };
   seals?: { file: string }; // lines that they are cut from
+  hosted?: boolean; // what shows the page in a frame keeps the piece
   painting?: { title: string; id: string }; // that a page of one file shows first: `SCORE`
 }
 

@@ -31,7 +31,7 @@ __all__ = ["TOO_LITTLE_ROOM", "Absorption", "WetFields", "Workspace", "move_wate
 TOO_LITTLE_ROOM = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
-_LOOSE_CAPTURE = 0.08  # capture rate of loose flocs over that of fine pigment
+_LOOSE_CAPTURE = 0.2  # capture rate of loose flocs over that of fine pigment
 _DISPERSES = 0.1, 0.4  # mm: in pores and as a film; water that runs so far mixes over as far
 _MIXES = 0.06  # most of a node's water exchanged by a link in a step; of n > 8 links 8 / n of it
 _CROWDED = 4.0  # coats to the mm of water: of more flocs some come to rest

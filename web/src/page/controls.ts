@@ -68,7 +68,7 @@ export function field(id: string, text: string, value: string, then: (value: str
 /** A text of several lines. */
 export function lines(id: string, text: string, value: string, then: (value: string) => void): HTMLElement {
   const input = document.createElement("textarea");
-  Object.assign(input, { id, value, rows: 2, maxLength: 200, spellcheck: false });
+  Object.assign(input, { id, value, rows: 4, maxLength: 200, spellcheck: false });
   input.addEventListener("change", () => then(input.value));
   return captioned(text, input);
 }
@@ -83,6 +83,20 @@ export function slider(
   input.value = String(value);
   input.addEventListener("input", () => then(Number(input.value)));
   return captioned(text, input);
+}
+
+/** The same with its number in its caption; `then` is told it at once, `settled` when it stays. */
+export function numbered(
+  id: string, text: string, value: number, range: readonly [number, number, number], then: (value: number) => void,
+  settled: (value: number) => void = () => {},
+): HTMLElement {
+  const made = slider(id, `${text}: ${value}`, value, (now) => {
+    (made.querySelector("span") as HTMLElement).textContent = `${text}: ${now}`;
+    then(now);
+  }, range); // prettier-ignore
+  const input = made.querySelector("input") as HTMLInputElement;
+  input.addEventListener("change", () => settled(Number(input.value)));
+  return made;
 }
 
 export function tick(id: string, text: string, on: boolean, then: (on: boolean) => void): HTMLElement {

@@ -1,7 +1,7 @@
 /** The texts that lie on the object, and what can be done to them. */
 
 import { GRIDS, ORDERS, type Copybook, type LaidText } from "./copybook";
-import { button, choice, lines, note, section, slider } from "./controls";
+import { button, choice, lines, note, numbered, section } from "./controls";
 import { say } from "./texts";
 
 /** What a panel of texts asks for. */
@@ -44,40 +44,34 @@ export class CopybookList {
         choice("texts", say("copybook"), texts.map(({ text }, k) => `${say("texts", { number: k + 1 })} · ${text.replace(/\n/g, " ")}`),
           number, (k) => { this.#chosen = k; this.show(copybook, texts, planned); }),
       ); // prettier-ignore
-    if (laid !== undefined) parts.push(...this.#controls(copybook, laid, number));
+    const asPlanned = note(say("asPlanned", { text: planned, mm: copybook.emMm }));
+    if (laid !== undefined) parts.push(...this.#controls(copybook, laid, number, asPlanned));
     else parts.push(note(say("guideNote")));
     this.element.replaceChildren(
       section(say("copybook"), ...parts,
         button("addText", say("addText"), () => add({ text: planned, em_mm: copybook.emMm })),
         button("sign", say("signature"), () => add({ text: `${yearOf(new Date())}年書`, em_mm: SIGNED_EM_MM, grid: "none" }))),
-      section(say("source"), note(say("asPlanned", { text: planned, mm: copybook.emMm })), note(copybook.licence)),
+      section(say("source"), note(copybook.licence)),
     ); // prettier-ignore
   }
 
-  #controls(copybook: Copybook, laid: LaidText, number: number): HTMLElement[] {
+  /** `asPlanned`: what the hand that shows how is planned for. */
+  #controls(copybook: Copybook, laid: LaidText, number: number, asPlanned: HTMLElement): HTMLElement[] {
     const { acts } = this;
     const change = (words: Partial<LaidText>): void => acts.change(number, words);
-    const sized = (id: string, text: string, value: number, range: readonly [number, number, number],
-      then: (value: number) => void): HTMLElement => {
-      const made = slider(id, `${text}: ${value}`, value, () => {}, range);
-      const input = made.querySelector("input") as HTMLInputElement;
-      const caption = made.querySelector("span") as HTMLElement;
-      input.addEventListener("input", () => (caption.textContent = `${text}: ${input.value}`));
-      input.addEventListener("change", () => then(Number(input.value)));
-      return made;
-    }; // prettier-ignore
     const missing = copybook.missing(laid.text);
     const write = button("write", say("write"), () => acts.write(number));
     write.disabled = !copybook.isPlanned(laid);
     return [
       lines("text", say("text"), laid.text, (text) => text.trim() !== "" && change({ text })),
       ...(missing.length > 0 ? [note(say("missing", { names: missing.join(" ") }))] : []),
-      sized("em", say("size_mm"), laid.em_mm, [4, 120, 1], (em_mm) => change({ em_mm })),
-      sized("turn", say("turn"), laid.turn, [-180, 180, 1], (turn) => change({ turn })),
+      numbered("em", say("size_mm"), laid.em_mm, [4, 120, 1], () => {}, (em_mm) => change({ em_mm })),
+      numbered("turn", say("turn"), laid.turn, [-180, 180, 1], () => {}, (turn) => change({ turn })),
       choice("order", say("order"), ORDERS.map((one) => say(one)), ORDERS.indexOf(laid.order),
         (k) => change({ order: ORDERS[k] })),
       choice("grid", say("grid"), GRIDS.map((one) => say(one === "columns" ? "ruled" : one)), GRIDS.indexOf(laid.grid),
         (k) => change({ grid: GRIDS[k] })),
+      ...(write.disabled ? [asPlanned] : []),
       write,
       button("place", say("move"), () => acts.place(number)),
       button("takeOff", say("remove"), () => acts.remove(number)),

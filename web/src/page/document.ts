@@ -1,5 +1,6 @@
 /** A painting in hand: strokes, undo, and the score that the desktop replays (`paint3d replay`). */
 
+import PLAYED from "../../../paint3d/page/played.json";
 import type { Kernels } from "../core/kernels";
 import { FULL_DIP, readAmount, type Brush, type DipAmount } from "../brush/brush";
 import type { Contents, Studio } from "../studio";
@@ -10,7 +11,7 @@ import { ClosestPoints } from "../mesh/closest_points";
 import { readPressing, type PressedSeal } from "../seal/pressing";
 import { findImpression, layPaste } from "../seal/print";
 import { Painter, PIECE_S, type Ink, type Kept } from "../painter/painter";
-import { AT_REST, RecordingError, type DeviceSample, type Pose } from "../recording/recording";
+import { AT_REST, ERASER, RecordingError, type DeviceSample, type Pose } from "../recording/recording";
 import { readText, type LaidText } from "./copybook";
 import { Eraser } from "../surface/eraser";
 import type { Blend, LayerStack } from "../surface/layer_stack";
@@ -33,6 +34,13 @@ const LAYER_EDITS = new Set([
   "add_layer", "remove_layer", "select_layer", "move_layer", "set_visible", "rename_layer", "set_opacity",
   "set_blend",
 ]); // prettier-ignore
+const SAMPLE_WORDS = ["time_ns", "position", "orientation", "pressure", "buttons", "contact", "object"];
+const HEAD_WORDS = [
+  "format", "version", "object", "mesh", "resolution_mm", "material", "brush", "ink", "azimuth", "pickup", "space", "units",
+  "licence",
+]; // prettier-ignore
+const UNITS: Record<string, string> = { position: "mm", time: "ns", force: "N" };
+const NOTHING = (): void => {};
 const MOST_AT_ONCE = 64; // samples that are painted together where a score is repeated
 const NO_STEPS = new Set(["select_layer", "set_visible", "rename_layer"]);
 
@@ -49,6 +57,7 @@ export function handlingOf({ azimuth, pickup }: Record<string, unknown>): Handli
 }
 
 type Line = Record<string, unknown>;
+type Step = (() => void | Promise<void>) | DeviceSample;
 
 const isMark = (line: Line): boolean => line.do === "begin_stroke" || line.do === "press_seal";
 
@@ -111,7 +120,7 @@ export class Document {
       azimuth,
       ...(pickup > 0.0 ? { pickup } : {}),
       space: "world",
-      units: { position: "mm", time: "ns", force: "N" },
+      units: UNITS,
     });
     return document;
   }
@@ -152,9 +161,10 @@ export class Document {
     this.#lines.push({ do: "set_brush", brush: brush.name });
   }
 
-  dip(studio: Studio, ink: string = this.ink): void {
+  /** Dip the brush; an amount is how much it takes up from now on. */
+  dip(studio: Studio, ink: string = this.ink, amount: DipAmount | null = null): void {
     this.ink = ink;
-    this.#dipIn(studio, studio.partsOf(ink));
+    this.#dipIn(studio, studio.partsOf(ink), amount);
   }
 
   #dipIn(studio: Studio, parts: Record<string, number>, amount: DipAmount | null = null): void {
@@ -339,60 +349,99 @@ export class Document {
   }
 
   /**
-   * Do what a score of a page says; `progress` is told the share that is done. Ends at a line that
-   * a page has not written. `pause` says what is to be waited for before a line is done.
+   * Do what a score of a page says; `progress` is told the fraction that is done. What a page does not
+   * play is refused before anything is painted. `pause` says what is to be waited for before a line is done.
    */
   async repeat(
-    studio: Studio, text: string, progress: (share: number) => void,
+    studio: Studio, text: string, progress: (fraction: number) => void,
     pause: (line: number) => Promise<void> | null = () => null,
   ): Promise<void> {
     const lines = text.split("\n").filter((line) => line !== "");
-    const waiting: DeviceSample[] = [];
     let held = AT_REST;
-    for (const [k, line] of lines.entries()) {
-      if (k === 0) continue; // the head, which this document was opened by
-      const row = JSON.parse(line) as Line;
+    const steps = lines.map((line, k): Step => {
+      const [row, where] = [JSON.parse(line) as Line, `line ${k + 1}`];
+      if (k === 0) {
+        checkHead(row);
+        return NOTHING; // this document was opened by it
+      }
+      if (row.do !== undefined) return this.#stepOf(studio, row, where);
+      checkWords(row, SAMPLE_WORDS, "a sample", where);
+      held = (row.object as Pose | undefined) ?? held;
+      return sampleOf(line, row, held, where);
+    });
+    const waiting: DeviceSample[] = [];
+    for (const [k, step] of steps.entries()) {
       const due = pause(k);
-      if (due !== null || row.do !== undefined || waiting.length >= MOST_AT_ONCE) this.advance(waiting.splice(0));
+      const isSample = typeof step !== "function";
+      if (due !== null || !isSample || waiting.length >= MOST_AT_ONCE) this.advance(waiting.splice(0));
       if (due !== null) await due;
-      if (row.do === undefined) {
-        held = (row.object as Pose | undefined) ?? held;
-        waiting.push(sampleOf(line, row, held));
-      }
-      else if (row.do === "set_brush") this.setBrush(await studio.brush(row.brush as string));
-      else if (row.do === "dip") {
-        const parts = (row.ink as Record<string, number> | undefined) ?? this.dipped;
-        this.#dipIn(studio, parts, readAmount(row.amount, `line ${k + 1}`));
-      }
-      else if (row.do === "begin_stroke") this.beginStroke(row.erase === true);
-      else if (row.do === "end_stroke") {
-        this.endStroke();
-        this.surface.refresh(); // not all at the end
-      }
-      else if (row.do === "undo" || row.do === "redo") {
-        if (!(row.do === "undo" ? this.canUndo : this.canRedo))
-          throw new RecordingError(`line ${k + 1}: it goes back farther than a page keeps`);
-        this[row.do]();
-      }
-      else if (row.do === "dry") this.dry();
-      else if (row.do === "press_seal") this.pressSeal(studio, readPressing(row, `line ${k + 1}`));
-      else if (row.do === "lay_text") this.layText(readText(row.text, `line ${k + 1}`), row.number as number | undefined);
-      else if (row.do === "remove_text") this.removeText(row.number as number);
-      else if (LAYER_EDITS.has(String(row.do))) this.restack(row as unknown as LayerEdit);
-      else if (row.do === "follow_time") {
-        if (row.seconds !== PIECE_S)
-          throw new RecordingError(
-            `line ${k + 1}: its ink flows in steps of ${String(row.seconds)} s; in a page these are ${PIECE_S} s`,
-          );
-        for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
-      }
-      else throw new RecordingError(`line ${k + 1}: a page does not know ${String(row.do)}`);
+      if (isSample) waiting.push(step);
+      else await step();
       progress((k + 1) / lines.length);
     }
     this.advance(waiting);
     this.#taken = this.#lines.length; // where a text is kept that ends within a stroke, its end is still to be
     if (this.#inStroke) this.endStroke();
     this.surface.refresh();
+  }
+
+  /** What a line asks for, where a page plays it. */
+  #stepOf(studio: Studio, row: Line, where: string): () => void | Promise<void> {
+    const name = String(row.do);
+    if (row.refused === true || name === "set_tags") return NOTHING;
+    const words = (PLAYED as Record<string, string[] | undefined>)[name];
+    if (words === undefined) throw new RecordingError(`${where}: a page does not know ${name}`);
+    checkWords(row, ["do", "refused", "time_s", ...words], name, where);
+    const number = row.number as number | undefined;
+    if (LAYER_EDITS.has(name)) return () => this.restack(row as unknown as LayerEdit);
+    switch (name) {
+      case "set_brush": {
+        const brush = studio.brush(row.brush as string);
+        brush.catch(() => {}); // it is said when it is taken
+        return async () => this.setBrush(await brush);
+      }
+      case "dip": {
+        const parts = row.ink as Record<string, number> | undefined;
+        if (parts !== undefined) studio.mixture(parts);
+        const amount = readAmount(row.amount, where);
+        return () => this.#dipIn(studio, parts ?? this.dipped, amount);
+      }
+      case "begin_stroke":
+        return () => this.beginStroke(row.erase === true);
+      case "end_stroke":
+        return () => {
+          this.endStroke();
+          this.surface.refresh(); // not all at the end
+        };
+      case "undo":
+      case "redo":
+        return () => {
+          if (!(name === "undo" ? this.canUndo : this.canRedo))
+            throw new RecordingError(`${where}: it goes back farther than a page keeps`);
+          this[name]();
+        };
+      case "press_seal": {
+        const seal = readPressing(row, where);
+        studio.mixture(seal.ink);
+        return () => this.pressSeal(studio, seal);
+      }
+      case "lay_text": {
+        const laid = readText(row.text, where);
+        return () => this.layText(laid, number);
+      }
+      case "remove_text":
+        return () => this.removeText(number as number);
+      case "follow_time":
+        if (row.seconds !== PIECE_S)
+          throw new RecordingError(
+            `${where}: its ink flows in steps of ${String(row.seconds)} s; in a page these are ${PIECE_S} s`,
+          );
+        return () => {
+          for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();
+        };
+      default: // dry
+        return () => this.dry();
+    }
   }
 
   /** What was done, one thing a line. */
@@ -423,9 +472,28 @@ function textOf(line: Line): string {
   return `{"time_ns": ${time}, ${JSON.stringify({ ...line, time_ns: undefined }).slice(1)}`;
 }
 
-function sampleOf(line: string, row: Line, held: Pose): DeviceSample {
+/** Refuse words that a page does not heed. */
+function checkWords(row: Line, heeded: readonly string[], name: string, where: string): void {
+  const odd = Object.keys(row).find((word) => !heeded.includes(word));
+  if (odd !== undefined) throw new RecordingError(`${where}: a page does not play ${name} with ${odd}`);
+}
+
+function checkHead(head: Line): void {
+  checkWords(head, HEAD_WORDS, "a recording", "line 1");
+  const { space = "world", units, azimuth = "commanded" } = head;
+  if (space !== "world") throw new RecordingError(`line 1: space is ${String(space)}; in a page it is the world`);
+  if (azimuth !== "commanded" && azimuth !== "dragged")
+    throw new RecordingError(`line 1: azimuth is ${String(azimuth)}; expected commanded or dragged`);
+  for (const [name, unit] of Object.entries((units ?? {}) as Record<string, string>))
+    if (UNITS[name] !== unit)
+      throw new RecordingError(`line 1: the unit of ${name} is ${unit}; in a page it is ${UNITS[name]}`);
+}
+
+function sampleOf(line: string, row: Line, held: Pose, where: string): DeviceSample {
   const time = /"time_ns"\s*:\s*(-?\d+)/.exec(line);
-  if (time === null) throw new RecordingError("a sample has no time_ns");
+  if (time === null) throw new RecordingError(`${where}: a sample has no time_ns`);
+  if ((Number(row.buttons ?? 0) & ERASER) !== 0)
+    throw new RecordingError(`${where}: a page does not play a stroke that the pen's other end erases`);
   return {
     timeNs: BigInt(time[1]),
     position: row.position as DeviceSample["position"],

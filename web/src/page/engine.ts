@@ -5,6 +5,7 @@
 
 import type { Vector } from "../core/quaternion";
 import { frameAt } from "../mesh/chart";
+import type { DipAmount } from "../brush/brush";
 import type { Bundle } from "../core/bundle";
 import type { ObjectWords } from "../mesh/refined_mesh";
 import { PIECE_S } from "../painter/painter";
@@ -45,7 +46,8 @@ export interface State {
   canDry: boolean;
   isPainted: boolean;
   nMarks: number;
-  inkLeft: number; // share of a full dip
+  inkLeft: number; // fraction of a full dip
+  amount: DipAmount; // of the next dip
   brush: string;
   dipped: Record<string, number>; // parts by pigment
   layers: readonly Layer[];
@@ -86,8 +88,10 @@ export class Engine {
   #passedMs = 0.0; // of that time
   #keptMs = 0.0;
   #pacing: Pacing | null = null; // of a score that is being played, or could not be to its end
+  #stops = false; // a planned hand
   #mayPush = true; // no picture is on its way to the page
   #isDue = false; // something is to be told
+  #amount: DipAmount | null = null; // of the next dip; null: as of the last
 
   private constructor(
     private readonly studio: Studio,
@@ -134,6 +138,7 @@ export class Engine {
       isPainted: painting.isPainted,
       nMarks: painting.nMarks,
       inkLeft: Math.min(1.0, painting.painter.inkLeft()),
+      amount: this.#nextAmount,
       brush: painting.painter.brush.name,
       dipped: painting.dipped,
       layers: layers.map((layer) => ({ ...layer })),
@@ -219,7 +224,7 @@ export class Engine {
       this.#hand.end(painting.lastNs, brush);
       return "hidden";
     }
-    if (ink !== null) painting.dip(this.studio, ink);
+    if (ink !== null) this.#dip(ink);
     painting.beginStroke(erases);
     this.#inStroke = true;
     painting.advance(samples);
@@ -276,7 +281,22 @@ export class Engine {
   }
 
   dip(ink: string): void {
-    this.#act(() => this.painting.dip(this.studio, ink));
+    this.#act(() => this.#dip(ink));
+  }
+
+  get #nextAmount(): DipAmount {
+    return this.#amount ?? this.painting.painter.amount;
+  }
+
+  #dip(ink: string): void {
+    this.painting.dip(this.studio, ink, this.#amount);
+    this.#amount = null;
+  }
+
+  /** How much the next dip takes up. */
+  setAmount(change: Partial<DipAmount>): void {
+    this.#amount = { ...this.#nextAmount, ...change };
+    this.#changed();
   }
 
   async takeBrush(name: string): Promise<void> {
@@ -343,6 +363,11 @@ export class Engine {
     if (this.painting.texts.length === nShown) this.#act(() => this.painting.removeText(number));
   }
 
+  /** Have the planned hand stop, after its stroke. */
+  stopWriting(): void {
+    this.#stops = true;
+  }
+
   /** Have a planned hand write a text, by its brush. */
   async write(number: number, ink: string): Promise<void> {
     const { painting, studio } = this;
@@ -351,8 +376,10 @@ export class Engine {
     if (copybook === null || laid === undefined || this.#inStroke) return;
     const brush = await studio.brush(copybook.brush);
     if (painting.painter.brush !== brush) painting.setBrush(brush);
+    this.#stops = false;
     for (const stroke of copybook.strokes(painting.closest, laid)) {
-      painting.dip(studio, ink);
+      if (this.#stops) return;
+      this.#dip(ink);
       painting.beginStroke();
       try {
         const startNs = painting.lastNs + 500_000_000n;

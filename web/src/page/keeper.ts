@@ -5,7 +5,21 @@ import type { OwnFile } from "./own_object";
 const STORE = "score"; // parts of a score, in their order
 const OBJECT = "object"; // the file that it is painted on, where it is somebody's own
 
-export class Keeper {
+/** Who keeps a piece, of this page or of its object. */
+export interface Keeping {
+  /** Whether all that was given is kept. */
+  readonly isUpToDate: boolean;
+  /** The score that is kept; "" without one. */
+  read(): Promise<string>;
+  /** The file that it is painted on; undefined for an object of the page. */
+  readObject(): Promise<OwnFile | undefined>;
+  /** Keep another piece from now on, and the file that it is painted on; nothing at all where that is refused. */
+  begin(file: OwnFile | null, text: string): void;
+  /** Keep a further part of the score, unless a part before it is missing. */
+  append(text: string): void;
+}
+
+export class Keeper implements Keeping {
   #last: Promise<void> = Promise.resolve();
   #waiting = 0;
   isSound = true; // nothing of this piece was refused
@@ -31,12 +45,10 @@ export class Keeper {
     }
   }
 
-  /** Whether all that was given is kept. */
   get isUpToDate(): boolean {
     return this.isSound && this.#waiting === 0;
   }
 
-  /** The score that is kept; "" without one. */
   read(): Promise<string> {
     return new Promise((done, failed) => {
       const asked = this.database.transaction(STORE).objectStore(STORE).getAll() as IDBRequest<string[]>;
@@ -45,7 +57,6 @@ export class Keeper {
     });
   }
 
-  /** The file that it is painted on; undefined for an object of the page. */
   readObject(): Promise<OwnFile | undefined> {
     return new Promise((done, failed) => {
       const asked = this.database.transaction(OBJECT).objectStore(OBJECT).getAll() as IDBRequest<OwnFile[]>;
@@ -54,7 +65,6 @@ export class Keeper {
     });
   }
 
-  /** Keep another piece from now on, and the file that it is painted on; nothing at all where that is refused. */
   begin(file: OwnFile | null, text: string): void {
     const clear = (store: IDBObjectStore, objects: IDBObjectStore): void => {
       store.clear();
@@ -75,7 +85,6 @@ export class Keeper {
     });
   }
 
-  /** Keep a further part of the score, unless a part before it is missing. */
   append(text: string): void {
     if (text === "") return;
     this.#queue(async () => {

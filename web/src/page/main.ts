@@ -1,5 +1,6 @@
 /** The studio as a page. */
 
+import type { DipAmount } from "../brush/brush";
 import { KernelError } from "../core/kernels";
 import type { Vector } from "../core/quaternion";
 import { times } from "../core/vectors";
@@ -9,7 +10,7 @@ import { SCORE, UnknownNameError, type Contents, type Fetch } from "../studio";
 import { Ahead } from "./ahead";
 import { ballAround, Camera } from "./camera";
 import { carried } from "./carried";
-import { askForFile, button, choice, element, note, save, section, slider, tick } from "./controls";
+import { askForFile, button, choice, element, note, numbered, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
 import { Copybook, type Guides, type LaidText } from "./copybook";
 import { CopybookList } from "./copybook_list";
@@ -22,7 +23,8 @@ import { EngineClient } from "./engine_client";
 import type { EngineCalls } from "./engine_worker";
 import { LayerList } from "./layer_list";
 import type { HandSettings, PointerInput } from "./hand";
-import { Keeper } from "./keeper";
+import { Host } from "./host";
+import { Keeper, type Keeping } from "./keeper";
 import { MeshError, type Note } from "../files/mesh_error";
 import { checkSize, SUFFIXES, UNITS_MM, UP_AXES, type Unit } from "../files/wanted";
 import { bringObject, Cancelled, type OwnFile, type OwnObject } from "./own_object";
@@ -109,6 +111,7 @@ class Page {
   readonly #files = new Map<string, Promise<ArrayBuffer>>();
   readonly #stage: Stage;
   readonly #ahead = new Ahead(this.#canvas);
+  readonly #amount = Object.assign(document.createElement("div"), { className: "fields" }); // of a dip
   #contents: Contents | null = null;
   #opened: Opened | null = null; // the piece in hand
   #camera: Camera | null = null;
@@ -134,7 +137,7 @@ class Page {
   #penAt = -Infinity;
   #isPenKnown = false;
   #fingersPaint = true;
-  #keeper: Keeper | null = null;
+  #keeper: Keeping | null = null;
   #mouse: SpaceMouse | null = null;
   #steeredMs = 0.0; // up to when it has steered
   #isSteered = false; // at the last frame
@@ -185,6 +188,11 @@ class Page {
     return [...(this.#contents?.objects ?? []), ...own];
   }
 
+  /** Whether what shows the page has the object, and keeps what is painted. */
+  get #isHosted(): boolean {
+    return this.#contents?.hosted === true;
+  }
+
   /** Whether the piece is on what somebody has brought. */
   get #isOnOwn(): boolean {
     return this.#own !== null && this.#opened?.about === this.#own.about;
@@ -200,7 +208,8 @@ class Page {
     this.#ink = contents.inks[0].name;
     const { painting } = contents;
     const score = painting === undefined ? "" : new TextDecoder().decode(await this.#fetch(SCORE));
-    this.#keeper = await Keeper.open(painting === undefined ? "paint3d" : `paint3d ${painting.id}`);
+    this.#keeper = contents.hosted === true ? await Host.open()
+      : await Keeper.open(painting === undefined ? "paint3d" : `paint3d ${painting.id}`); // prettier-ignore
     const text = (await this.#keeper?.read().catch(() => "")) ?? "";
     if (/begin_stroke|press_seal/.test(text) && text !== score) {
       const file = await this.#keeper?.readObject().catch(() => undefined);
@@ -488,6 +497,7 @@ class Page {
     if (guides !== undefined) this.#stage.guide(guides);
     if (differs("texts")) this.#showTexts();
     if (differs("layers") || differs("active")) this.#showLayers();
+    if (differs("amount") && !this.#amount.contains(document.activeElement)) this.#showAmount();
     if (differs("brush") || differs("dipped")) this.#showInHand();
     else this.#showState();
     if (picture !== undefined) {
@@ -578,7 +588,7 @@ class Page {
         button("score", say("score"), () => void this.#saveScore()),
         button("glb", "GLB", () => void this.#saveObject("glb")),
         button("ply", "PLY", () => void this.#saveObject("ply")),
-        note(say(this.#keeper === null ? "notKept" : "kept"))),
+        note(say(this.#keeper === null ? "notKept" : this.#isHosted ? "keptByHost" : "kept"))),
       section(say("goOn"),
         ...(isFirst ? [] : [replay]),
         button("load", say("load"), () =>
@@ -592,13 +602,16 @@ class Page {
           (k) => this.#change(this.#object, contents.materials[k].name)),
         ...this.#ownControls(),
         button("fresh", say("fresh"), () => this.#change(this.#object, opened.piece.material)),
-        button("own", say("ownObject"), () => askForFile(SUFFIXES.join(","), (file) => this.#openFile(file)))),
+        ...(this.#isHosted ? []
+          : [button("own", say("ownObject"), () => askForFile(SUFFIXES.join(","), (file) => this.#openFile(file)))])),
       section(say("water"),
         tick("wet", say("spreads"), this.#spreads, (on) => this.#setSpreads(on)),
         button("dry", say("dry"), () => void this.#ask("dry"))),
+      section(say("dipped"),
+        this.#amount,
+        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on))),
       section(say("hand"),
         slider("press", say("press"), this.#press, (value) => this.#setPress(value)),
-        tick("always", say("dipAlways"), this.#dipAlways, (on) => (this.#dipAlways = on)),
         ...(navigator.maxTouchPoints === 0 ? []
           : [tick("fingers", say("fingersPaint"), this.#fingersPaint, (on) => this.#setFingersPaint(on))]),
         ...(hidOf() === null ? [] : [button("mouse", this.#mouseText(), () => this.#plug())])),
@@ -606,7 +619,18 @@ class Page {
     ); // prettier-ignore
     this.#showLayers();
     this.#showTexts();
+    this.#showAmount();
     this.#showState();
+  }
+
+  /** Show how much a dip takes up, in percent of what a whole one does. */
+  #showAmount(): void {
+    const { amount } = this.#inHand().state;
+    const part = (name: keyof DipAmount, range: readonly [number, number, number]): HTMLElement => {
+      const change = (percent: number): void => void this.#ask("setAmount", { [name]: percent / 100 });
+      return numbered(name, `${say(name)}, %`, Number((100 * amount[name]).toFixed(1)), range, () => {}, change);
+    };
+    this.#amount.replaceChildren(part("wetted", [0.1, 100, 0.1]), part("fullness", [5, 300, 5]));
   }
 
   /** How the file of one's own object is read. */
@@ -710,6 +734,7 @@ class Page {
     if (this.#copybook === null || this.#writes || this.#pointer !== null) return;
     const opened = this.#inHand();
     this.#setWrites(true);
+    this.#notice(say("stopNote"));
     await this.#ask("write", number, this.#ink);
     if (this.#opened === opened) this.#setWrites(false);
   }
@@ -731,7 +756,8 @@ class Page {
 
   #showState(): void {
     const { canUndo, canRedo, canDry, isPainted, inkLeft } = this.#inHand().state;
-    element<HTMLButtonElement>("undo").disabled = !canUndo;
+    const isWriting = this.#writes && !this.#plays; // a planned hand, which can be stopped
+    element<HTMLButtonElement>("undo").disabled = !canUndo && !isWriting;
     element<HTMLButtonElement>("redo").disabled = !canRedo;
     element<HTMLButtonElement>("dry").disabled = !canDry;
     element("hint").classList.toggle("done", isPainted);
@@ -788,6 +814,7 @@ class Page {
   }
 
   #step(which: "undo" | "redo"): void {
+    if (this.#writes && !this.#plays && which === "undo") return void this.#ask("stopWriting");
     if (this.#pointer !== null || this.#writes) return; // a stroke goes on
     this.#tapped = null; // the text may be gone
     if (which === "undo") element<HTMLButtonElement>("redo").disabled = false; // before it is told
@@ -894,6 +921,10 @@ class Page {
     if (camera === null) return;
     await this.#ask("show");
     this.#drawNow(performance.now());
+    if (!this.#isMoved) {
+      camera.setFree([-1, 1, -1, 1]); // no panel lies over the picture
+      camera.showAll(this.#aspect());
+    }
     this.#stage.draw(camera, false);
     const seen = document.createElement("canvas");
     Object.assign(seen, { width: this.#canvas.width, height: this.#canvas.height });
@@ -902,6 +933,7 @@ class Page {
     context.fillStyle = getComputedStyle(document.documentElement).getPropertyValue("--ground");
     context.fillRect(0, 0, seen.width, seen.height);
     context.drawImage(this.#canvas, 0, 0);
+    this.#resize();
     const blob = await new Promise<Blob | null>((done) => seen.toBlob(done, "image/png"));
     if (blob === null) throw new Missing("noMemory");
     save(blob, `${this.#name()}.png`);
@@ -1032,6 +1064,7 @@ class Page {
       if (this.#opened === null || event.isComposing) return;
       if (event.key === "Escape") {
         if (this.#pointer !== null) return this.#takeBack();
+        if (this.#writes) return this.#step("undo");
         this.#panel.show(null);
       }
       if (isWritten) return;
@@ -1052,6 +1085,7 @@ class Page {
       event.preventDefault();
       const file = event.dataTransfer?.files[0];
       if (file === undefined || this.#opened === null || this.#writes) return;
+      if (this.#isHosted && !RECORDING.test(file.name)) return; // who shows it has the object
       this.#openFile(file);
     });
     document.addEventListener("visibilitychange", () => {

@@ -2,7 +2,7 @@
 
 import { MOST_CHARACTERS, STYLES, charactersOf, type SealLines, type Style } from "../seal/stone";
 import type { Pair } from "../mesh/spline_chart";
-import { button, choice, field, note, section, slider } from "./controls";
+import { button, choice, field, note, numbered, section } from "./controls";
 import { say } from "./texts";
 
 /** A seal that is cut, as its panel says it. */
@@ -42,15 +42,6 @@ export class SealList {
         face.append(path);
       });
     };
-    const sized = (id: string, text: string, value: number, range: readonly [number, number, number],
-      then: (value: number) => void): HTMLElement => {
-      const made = slider(id, `${text}: ${value}`, value, (now) => {
-        (made.querySelector("span") as HTMLElement).textContent = `${text}: ${now}`;
-        then(now);
-        show();
-      }, range);
-      return made;
-    }; // prettier-ignore
     const words = field("seal-text", say("text"), this.#text, (text) => {
       this.#text = text.trim();
       show();
@@ -66,8 +57,11 @@ export class SealList {
           this.#style = STYLES[k];
           show();
         }),
-        sized("seal-size", say("sealSize"), this.#sizeMm, [4, 60, 1], (mm) => (this.#sizeMm = mm)),
-        sized("seal-turn", say("turn"), this.#turn, [-180, 180, 1], (turn) => (this.#turn = turn)),
+        numbered("seal-size", say("sealSize"), this.#sizeMm, [4, 60, 1], (mm) => {
+          this.#sizeMm = mm;
+          show();
+        }),
+        numbered("seal-turn", say("turn"), this.#turn, [-180, 180, 1], (turn) => (this.#turn = turn)),
         press, ...(tells ? [note(lines.licence)] : [])),
     ); // prettier-ignore
     show();

@@ -82,17 +82,19 @@ export class Flow {
     const [now, waiting] = patch.openSome(fresh, OPENED);
     this.waiting = waiting;
     this.#waited = waiting.length > 0 ? this.#waited + seconds : 0.0;
-    this.#readSurface(now);
+    const underTuft = this.#readSurface(now);
     if (!patch.openWet(OPENED)) {
       this.#wait(seconds);
       patch.writeSurface();
       return false;
     }
+    const release = patch.hold(underTuft);
     const pieces = Math.max(1, Math.ceil(seconds / PIECE));
     for (let k = 0; k < pieces; k++) {
       this.#wait(seconds / pieces);
       this.#step(this.#mostUrgent(this.#due(patch.wetBlocks())));
     }
+    release();
     patch.writeSurface();
     const [owed, pace] = [patch.owed.data, patch.pace.data];
     const isLate = patch.wetBlocks().some((k) => owed[k] >= Math.max(Math.fround(LATE), Math.fround(3.0 * pace[k])));
@@ -132,15 +134,15 @@ export class Flow {
     return order.slice(0, Math.max(1, n)).sort();
   }
 
-  /** Take up ink that changed, after bringing the water there up to the present. */
-  #readSurface(fresh: Int32Array): void {
+  /** Take up ink that changed, after bringing the water there up to the present; where a tuft is. */
+  #readSurface(fresh: Int32Array): Int32Array {
     const { patch } = this;
     const at = patch.findChanged(fresh);
-    if (at.length === 0) return;
+    if (at.length === 0) return at;
     const [nodeOf, blockOf, owed] = [patch.graph.nodeOf.data, patch.graph.block.data, patch.owed.data];
     const blocks = distinct(at.map((place) => blockOf[nodeOf[place]]));
     this.#step(blocks.filter((block) => Number.isFinite(owed[block]) && owed[block] > 0.0));
-    patch.readSurface(at);
+    return patch.readSurface(at);
   }
 
   // -- steps ----------------------------------------------------------------------------------

@@ -10,11 +10,13 @@ import { clip, closePore, evenExp, PoreFinder } from "./pores";
 export const WET_COAT_MM = 0.03;
 const WET_INK_MM = 0.015;
 const THICK = 9.0;
-const LOOSE = 0.95;
+const LOOSE = 0.6;
+const LAID = 0.5;
+const FRESH = 0.02;
 const PARTICLES = 0.65;
 /** The time step of a block after ink arrived, s. */
 export const FIRST_PACE = 1.0 / 30.0;
-const KEPT = ["water", "inside", "soaked", "pigment", "fine", "loose"] as const;
+const KEPT = ["water", "inside", "soaked", "laid", "pigment", "fine", "loose"] as const;
 
 /** The patch at an instant, for undo, by nodes and places; the graph only grows. */
 export interface KeptPatch {
@@ -30,6 +32,7 @@ export class WetPatch {
   water: NDArray<"f8">;
   inside: NDArray<"f4">;
   soaked: NDArray<"f4">;
+  laid: NDArray<"f4">;
   pigment: NDArray<"f8">;
   fine: NDArray<"f8">;
   loose: NDArray<"f8">;
@@ -71,6 +74,7 @@ export class WetPatch {
     this.water = empty();
     this.inside = kernels.zeros("f4", 0);
     this.soaked = kernels.zeros("f4", 0);
+    this.laid = kernels.zeros("f4", 0);
     this.pigment = kernels.zeros("f8", 0, count);
     this.fine = kernels.zeros("f8", 0, count);
     this.loose = kernels.zeros("f8", 0, count);
@@ -121,7 +125,7 @@ export class WetPatch {
       nPigments: this.#count,
       nodes: {
         water: rows(this.water, n), inside: rows(this.inside, n), soaked: rows(this.soaked, n),
-        pigment: rows(this.pigment, n), fine: rows(this.fine, n), loose: rows(this.loose, n),
+        laid: rows(this.laid, n), pigment: rows(this.pigment, n), fine: rows(this.fine, n), loose: rows(this.loose, n),
       },
       written: this.written.data.slice(0, nPlaces * this.#count),
       owed: this.owed.data.slice(),
@@ -227,8 +231,8 @@ export class WetPatch {
     });
   }
 
-  /** Apply changes of the ink at places to water and pigment. */
-  readSurface(at: Int32Array): void {
+  /** Apply changes of the ink at places to water and pigment; the nodes on which a tuft lies. */
+  readSurface(at: Int32Array): Int32Array {
     const { graph, surface } = this;
     const count = this.#count;
     const { pigments } = surface;
@@ -260,14 +264,23 @@ export class WetPatch {
     }
     const [pigment, fine, loose] = [this.pigment.data, this.fine.data, this.loose.data];
     for (let i = 0; i < n; i++) water[node[i]] *= kept[i];
-    // what comes runs together with what is there
+    const [deep, added] = [this.laid.data, new Float64Array(n)];
+    const underTuft = new Set<number>();
     const thin = Float64Array.from(node, (to, i) => {
-      const liquid = water[to] + came[i];
-      const there = rowSum(pigment.subarray(to * count, (to + 1) * count));
-      const thick = liquid > 0.0 ? (coats[i] + there) / (THICK * liquid) : 1.0;
+      // what comes runs together with what is there
+      const there = rowSum(pigment.subarray(to * count, (to + 1) * count)) + coats[i];
+      const ran = coats[i] > 0.0 && deep[to] < LAID * water[to];
+      const own = ran ? (came[i] / coats[i]) * there : Infinity;
+      added[i] = Math.min(came[i], Math.max(own - water[to], 0.0));
+      const liquid = water[to] + added[i];
+      if (coats[i] > 0.0 && came[i] > FRESH * liquid) underTuft.add(to);
+      const thick = liquid > 0.0 ? there / (THICK * liquid) : 1.0;
       return Math.max(0.0, 1.0 - thick * thick);
     });
-    for (let i = 0; i < n; i++) water[node[i]] += share[at[i]] * came[i];
+    for (let i = 0; i < n; i++) {
+      water[node[i]] += share[at[i]] * added[i];
+      deep[node[i]] += Math.fround(share[at[i]] * came[i]);
+    }
     this.#addPigment(node, at, change, thin);
     for (let i = 0; i < n; i++)
       for (let p = 0; p < count; p++) {
@@ -293,6 +306,7 @@ export class WetPatch {
       pace[block] = FIRST_PACE;
       if (owed[block] === Infinity) owed[block] = 0.0;
     }
+    return distinct(underTuft);
   }
 
   /** Add pigment to nodes, or remove it, of all kinds in proportion. */
@@ -395,9 +409,10 @@ export class WetPatch {
           amounts[k] = amounts[k] - came[i * count + p];
         }
       }
-      const [pigment, fine, loose, soaked] = [this.pigment.data, this.fine.data, this.loose.data, this.soaked.data];
+      const [pigment, fine, loose] = [this.pigment.data, this.fine.data, this.loose.data];
+      const [soaked, laid] = [this.soaked.data, this.laid.data];
       for (const node of nodes) {
-        soaked[node] = 0.0;
+        soaked[node] = laid[node] = 0.0;
         for (let k = node * count; k < (node + 1) * count; k++) pigment[k] = fine[k] = loose[k] = 0.0;
       }
     }
@@ -418,6 +433,20 @@ export class WetPatch {
       }
       if (any) coverage[ids[i]] = covered[i];
     }
+  }
+
+  /** Let no water run from or to nodes on which a tuft lies; what lets it again. */
+  hold(nodes: Int32Array): () => void {
+    const held = this.conductance.data;
+    const running = Float64Array.from(nodes, (node) => held[node]);
+    for (const node of nodes) held[node] = 0.0;
+    this.#weigh(nodes);
+    return () => {
+      const conductance = this.conductance.data;
+      for (const [k, node] of nodes.entries())
+        if (conductance[node] === 0.0) conductance[node] = running[k]; // or its pores have been closed anew
+      this.#weigh(nodes);
+    };
   }
 
   // -- growth -----------------------------------------------------------------------------------
@@ -467,6 +496,7 @@ export class WetPatch {
       this[name] = withRoom(this[name], n); // prettier-ignore
     this.inside = withRoom(this.inside, n);
     this.soaked = withRoom(this.soaked, n);
+    this.laid = withRoom(this.laid, n);
     this.changed = withRoom(this.changed, n);
     this.place = withRoom(this.place, n);
     this.written = withRoom(this.written, graph.nPlaces);
@@ -551,7 +581,8 @@ export class WetPatch {
     const [bare, weights] = [graph.weights.data, this.weights.data];
     for (let k = from; k < to; k++) {
       const [start, end] = [conductance[owner[k]], conductance[links[k]]];
-      weights[k] = bare[k] * ((2.0 * start * end) / (start + end));
+      const both = start * end;
+      weights[k] = bare[k] * (both > 0.0 ? (2.0 * both) / (start + end) : 0.0);
     }
   }
 }
