@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import median_filter
 
+from paint3d.brush.spec import DipAmount
 from paint3d.brush_engine.coverage import weighed_area
 from paint3d.brush_engine.ink_transfer import level_reservoirs
 from paint3d.colour.materials import load_material
@@ -378,6 +379,29 @@ def test_a_stroke_over_the_halo_of_another_has_no_pale_seam():
         return np.median(coats[(np.abs(x) < 0.6) & (first < y) & (y < last)])
 
     assert typical(-4.0, -3.25) > 0.83 * typical(-3.0, -2.0)  # .76 with a film more
+
+
+def test_a_dark_tip_leaves_on_a_wet_wash_what_it_leaves_beside_it():
+    """By the mean of the tuft the wash counted as more than the tip brings, in light dots."""
+    surface = PaintedSurface(sheet(flat, (34.0, 24.0), 4.0), 0.45, "xuan")
+    painter = Painter(surface, "yanghao", "light", amount=DipAmount(fullness=0.4))
+    steps, pressures = np.linspace(0.0, 1.0, 100), np.full(100, 0.45)
+    pressures[[0, -1]] = 0.0
+
+    def paint(x, y):
+        points = np.column_stack([x, y, 0.0 * x])
+        motion = poses(points, UP, (1.0, 0.0, 0.0), pressures, brush="yanghao", tilt=UPRIGHT)
+        painter.replay(motion, wet=True)
+
+    paint(50.0 * steps - 25.0, 0.0 * steps)
+    painter.dip("heavy")
+    painter.dip("burnt", reach=0.1)
+    paint(0.0 * steps, 30.0 * steps - 15.0)
+    x, y = surface.paint_mesh.vertices[:, :2].T
+    coats = surface.ink.amounts[: surface.n_vertices].sum(axis=1)
+    tip = (x > 26.5) & (x < 28.5) & (surface.coverage > 0.999)
+    over, beside = tip & (np.abs(y) < 4.0), tip & (np.abs(y) > 8.0) & (np.abs(y) < 12.0)
+    assert coats[over].mean() > 0.8 * coats[beside].mean()  # .56 by the mean of the tuft
 
 
 def test_a_hand_that_trembles_draws_no_dark_rims():
