@@ -61,7 +61,7 @@ SCALED = 1.27
 """Times that a planned hand writes larger or smaller than it was planned, at most."""
 
 _SIGNATURE = 4  # characters
-_SIGNATURE_MM = 16.0  # beside texts on what is no sheet
+_SIGNATURE_MM = 14.0  # beside texts on what is no sheet
 _EVERY = 4  # of a planned hand's 250 samples a second
 _STRAY = 1.5  # glyph units that an outline's chord may
 _AROUND = 1.5  # ems of paper that a plan is made on
@@ -106,16 +106,16 @@ def lay_out(mesh: TriangleMesh, text: str) -> LaidOut:
         text_words = {"text": text, "em_mm": EM_MM}
         return LaidOut(text_words, {"em_mm": _SIGNATURE_MM}, _SIGNATURE_MM)
     lines, em_mm = "\n".join(found.lines), round(found.em_mm, 1)
-    spaced = {"gap": round(found.gap, 3), "between": round(found.between, 3)}
-    point = None if found.point is None else tuple(round(x, 1) for x in found.point)
-    squares = [
-        placed.square
-        for placed in layout_text(ClosestPoints(mesh), lines, em_mm, Layout(point=point, **spaced))
-    ]
+    gap, between = round(found.gap, 3), round(found.between, 3)
+    at = found.point
+    point = None if at is None else (round(at[0], 1), round(at[1], 1), round(at[2], 1))
+    layout = Layout(point=point, gap=gap, between=between)
+    squares = [placed.square for placed in layout_text(ClosestPoints(mesh), lines, em_mm, layout)]
     signed = sign_beside(mesh, squares, _SIGNATURE)
     middle = np.mean([square.chart.frame.origin for square in squares], axis=0)
     return LaidOut(
-        {"text": lines, "em_mm": em_mm, "point": list(point or middle.round(1)), **spaced},
+        {"text": lines, "em_mm": em_mm, "point": list(point or middle.round(1).tolist())}
+        | {"gap": gap, "between": between},
         {"em_mm": round(signed.em_mm, 1), "point": signed.point.round(1).tolist()},
         round(signed.seal_mm),
     )

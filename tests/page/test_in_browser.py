@@ -396,7 +396,7 @@ def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
     hashes = hashes_of(document.surface)
     assert found == {name: hashes[name] for name in ("vertices", "srgb", "amounts")}
     assert [(one.text, one.em_mm, one.turn) for one in document.texts] == [
-        ("一", 40.0, 0.0), ("年永\n和", 10.0, 30.0)
+        ("一", 40.0, 0.0), ("年永\n和", 14.0, 30.0)
     ]  # fmt: skip
     ghosts = [ghost for laid in document.texts for ghost in Copybook.of(mesh, laid).ghosts]
     ours = np.concatenate([line for ghost in ghosts for line in ghost.outlines])
@@ -512,6 +512,7 @@ def test_a_seal_is_pressed_where_one_taps_as_on_the_desktop(
         assert said in browser.evaluate(f"{note}.textContent")
         assert browser.evaluate(f"{at('press-seal')}.disabled")
     browser.evaluate(change("'永和'", "input", at("seal-text")))
+    browser.evaluate(change(16, "input", at("seal-size")))  # what a signature wished before
     browser.evaluate(change(20, "input", at("seal-turn")))
     browser.stroke(wave(330.0, 330.0, 160.0))
     bare, tap = settled(browser), [(410.0, 345.0, 0.5)] * 2

@@ -39,7 +39,7 @@ const MARGIN = 0.25; // ems around the text that a brush's root may stray
 const DENSE = 1.0 / 32.0; // ems between two points of a line
 const SMALLEST_MM = 4; // characters
 const [WITHIN, NOT_CUT] = [0.875, 0.95]; // parts of a square's half, and of what is between there and its corner
-const SIGNED_MM = 16; // a signature, and its seal
+const SIGNED_MM = 14; // a signature, and its seal
 const CORNERS = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]] as const; // prettier-ignore
 const LIFT_MM = 0.08; // above the surface, so that a line is seen
 
