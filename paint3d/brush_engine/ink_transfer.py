@@ -231,7 +231,7 @@ _FED_MM = 1.0  # way on which it puts back all but 1 / e of what has run from un
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
 _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
 # speed of a hand at which h is that, the power it falls with, and the least speed that counts
-_EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.35, 4.0
+_EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.25, 4.0
 _LEAST_COVERED = 1.0 / 16.0  # of a vertex's area: what ink lies on counts as no less
 _LEAST_WIDTH = 1e-6  # mm, of a tuft whose liquid is looked for
 _NOTHING = 1e-6  # share of a film
