@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
+from paint3d.view.paper import Paper
 
 __all__ = [
     "LEAST",
@@ -96,7 +97,8 @@ vec3 unpacked(float number) {  // of two codes the last two
 }
 """
 _VERTEX = """
-  bareLight = light_of(unpacked(bare));
+  bareCodes = unpacked(bare);
+  bareLight = light_of(bareCodes);
   inkLight = light_of(scalarColor.rgb) - bareLight;
   sharesShown = unpacked(shares).yz;
 """
@@ -124,9 +126,9 @@ _FRAGMENT = f"""
 class EdgeShaders(NamedTuple):
     """GLSL that puts the sharpened colour of a place into `painted`: declarations and code.
 
-    Vertices have the attributes `bare` and `shares`: those of `Edges`, `packed`. Shares of paint
-    and paper add in linear light, so interpolation of it takes the place of interpolated codes at
-    edges alone.
+    `bareCodes` are those of the place without any paint. Vertices have the attributes `bare` and
+    `shares`: those of `Edges`, `packed`. Shares of paint and paper add in linear light, so
+    interpolation of it takes the place of interpolated codes at edges alone.
     """
 
     vertex_declared: str
@@ -147,7 +149,7 @@ class EdgeShaders(NamedTuple):
         """
         light = f"vec3 light_of(vec3 codes) {{ return {light_of}; }}\n"
         codes = f"vec3 codes_of(vec3 light) {{ return {codes_of}; }}\n"
-        passed = "vec3 bareLight, inkLight; {0} vec2 sharesShown;\n"
+        passed = "vec3 bareCodes, bareLight, inkLight; {0} vec2 sharesShown;\n"
         return cls(
             "in float bare, shares;\nout " + passed.format("out") + _UNPACKED + light,
             _VERTEX,
@@ -163,8 +165,13 @@ SRGB_CODES = (
 """GLSL expressions of sRGB."""
 
 
-def draw_edges(actor: Any, mesh: Any, edges: Edges, shaders: EdgeShaders) -> None:
-    """Have an actor of a mesh with a mapper of its own draw the edges of paint sharp."""
+def draw_edges(
+    actor: Any, mesh: Any, edges: Edges, shaders: EdgeShaders, paper: Paper | None = None
+) -> None:
+    """Have an actor of a mesh with a mapper of its own draw the edges of paint sharp.
+
+    Where it shows `paper` (`show_paper`), ink has its grain.
+    """
     mapper, shader = actor.GetMapper(), actor.GetShaderProperty()
     points = 0  # VTK's FIELD_ASSOCIATION_POINTS
     for name in ("bare", "shares"):
@@ -174,7 +181,8 @@ def draw_edges(actor: Any, mesh: Any, edges: Edges, shaders: EdgeShaders) -> Non
     for mark, text in ((declare, shaders.vertex_declared), (assign, shaders.vertex)):
         shader.AddVertexShaderReplacement(mark, True, f"{mark}\n{text}", False)
     shader.AddFragmentShaderReplacement(declare, True, f"{declare}\n{shaders.declared}", False)
-    shader.AddFragmentShaderReplacement(colour, True, f"{shaders.fragment}\n{colour}", False)
+    seen = shaders.fragment + ("" if paper is None else paper.grain)
+    shader.AddFragmentShaderReplacement(colour, True, f"{seen}\n{colour}", False)
     shader.AddFragmentShaderReplacement("vertexColorVSOutput.rgb", False, "painted", True)
 
 
