@@ -855,9 +855,7 @@ def _set_shaders(
         vertex += [_EDGES.vertex_declared]
         placed += [_EDGES.vertex]
         fragment += [_EDGES.declared]
-    found = _EDGES.fragment if sharp else "  vec3 painted = vertexColorVSOutput.rgb;"
-    if sharp and paper is not None:
-        found += paper.grain
+    found = _EDGES.fragment_on(paper) if sharp else "  vec3 painted = vertexColorVSOutput.rgb;"
     shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, found + shine, False)
     if seen:
         drawn.keep_places()

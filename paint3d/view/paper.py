@@ -141,10 +141,9 @@ class Paper:
         return f"(1.0 + {amount:.3f} * paper(surfacePlace).x)"
 
     @property
-    def grain(self) -> str:
-        """GLSL that gives `painted` its grain, where `bareCodes` are known (`EdgeShaders`)."""
-        more = f"{self._amount:.3f} * paper(surfacePlace).y"
-        return f"  painted = in_grain(painted, bareCodes, {more});\n"
+    def more_ink(self) -> str:
+        """GLSL: how much more of its ink is seen at a place, as an exponent; 0 on average."""
+        return f"{self._amount:.3f} * paper(surfacePlace).y"
 
 
 def show_paper(actor: Any, mesh: Any, places: AnyArray, paper: Paper, *, codes: bool) -> None:

@@ -174,14 +174,25 @@ def test_bare_paper_is_the_same_to_the_code_where_ink_has_grain(surface, monkeyp
     edges = edges_of(surface)
     seen = [
         picture[bare]
-        for grain in (Paper.grain, property(lambda _: ""))
-        for _ in [monkeypatch.setattr(Paper, "grain", grain)]
+        for more_ink in (Paper.more_ink, property(lambda _: "0.0"))
+        for _ in [monkeypatch.setattr(Paper, "more_ink", more_ink)]
         for picture in (
             flat(surface, 0.3, 0.0, 15.0, edges, 1.0),
             live(surface, 0.3, 0.0, 15.0, "xuan"),
         )
     ]
     np.testing.assert_array_equal(seen[:2], seen[2:])
+
+
+def test_edges_have_teeth_of_the_paper_that_are_finer_than_vertices(surface) -> None:
+    """Without any the edge of this band is straight."""
+    paint_band(surface, 0.3, 0.0, 100.0)
+    edges = edges_of(surface)
+    for paper, least, most in ((0.0, 0.0, 0.4), (1.0, 0.6, 2.0)):
+        picture = flat(surface, 0.3, 0.0, 15.0, edges, paper)
+        ends = (picture < 0.5 * np.median(picture[:, -20:])).sum(axis=1)
+        teeth = ends - median_filter(ends, 41)
+        assert least <= teeth.std() < most
 
 
 def test_from_afar_and_inside_all_is_as_interpolated(surface) -> None:
