@@ -518,7 +518,8 @@ def _lay_first_film(coats, unit, before, after, found, n, field, ink, scratch):
             )  # fmt: skip
         else:
             begun[:n] = 0.0
-        fed = -np.expm1(-ink_way(before, after) / _FED_MM) if ink.transfer[0].pickup <= 0.0 else 0.0
+        alike = ink.transfer[0].pickup <= 0.0 and ink.reservoirs.shape[0] == 1
+        fed = -np.expm1(-ink_way(before, after) / _FED_MM) if alike else 0.0
         _add_short(
             n, film, fed, found.cover, found.take, found.covered, found.coats, begun, lacks
         )  # fmt: skip
