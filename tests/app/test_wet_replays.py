@@ -53,6 +53,7 @@ class Wall:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, window) -> None:
         monkeypatch.setattr(window.canvas, "_clock", EventClock())
+        monkeypatch.setattr(window.canvas, "_pen_touched_ns", None)  # a mouse were its stray event
         self.ms = 10_000_000
         names = {name: getattr(time, name) for name in ("monotonic", "thread_time", "sleep")}
         clock = SimpleNamespace(
