@@ -107,6 +107,8 @@ def test_wet_ink_does_not_depend_on_how_events_are_handed_over(window, monkeypat
             first = surface
         same_vertices(first, surface)
         assert surface.flow.water == first.flow.water, (how, pace)
+    # its ink is at hand for what is opened next, which would have a column of it
+    open_for(window, {**lines().header, "material": "xuan", "wet": True}, 2.4)
 
 
 # -- the recording that the window saves -------------------------------------------------------
