@@ -277,11 +277,16 @@ def _line(
 
 # ---- Presets -------------------------------------------------------------------------------------
 
-SMALLEST_PRESET_EM, LARGEST_PRESET_EM = 8.0, 200.0
+SMALLEST_PRESET_EM, LARGEST_PRESET_EM = 8.0, 350.0
 """mm: range of character sizes that the presets are made for."""
 
-_BRUSHES = ((22.0, "xiaobaiyun"), (60.0, "zhongbaiyun"), (LARGEST_PRESET_EM, "dabaiyun"))
-"""Each brush with the largest size (mm) that it writes. The three are alike in shape: a full belly
+_BRUSHES = (
+    (22.0, "xiaobaiyun"),
+    (60.0, "zhongbaiyun"),
+    (200.0, "dabaiyun"),
+    (LARGEST_PRESET_EM, "tidou"),
+)
+"""Each brush with the largest size (mm) that it writes. They are alike in shape: a full belly
 and a blunt taper, whose footprints are about as long as wide and so reach into corners at any bend.
 """
 _ABOUT_AS_THICK = 1.7  # times as thick, or as thin
@@ -343,7 +348,7 @@ def choose_brush(em_mm: float) -> str:
     Parameters
     ----------
     em_mm : float
-        Side of the em square, mm, 8 to 200.
+        Side of the em square, mm, 8 to 350.
 
     Returns
     -------

@@ -231,7 +231,7 @@ _FED_MM = 1.0  # way on which it puts back all but 1 / e of what has run from un
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
 _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
 # speed of a hand at which h is that, the power it falls with, and the least speed that counts
-_EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.35, 4.0
+_EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.25, 4.0
 _LEAST_COVERED = 1.0 / 16.0  # of a vertex's area: what ink lies on counts as no less
 _LEAST_WIDTH = 1e-6  # mm, of a tuft whose liquid is looked for
 _NOTHING = 1e-6  # share of a film
@@ -350,17 +350,35 @@ def _fetch_coats(runs, n_runs, ids, n, amounts, coats):
 
 
 @uncounted(error_model="numpy")
-def _count_drained(ids, n, ink, coats):
+def _count_drained(before, after, found, n, field, ink):
     """Count the liquid with which the ink on vertices came: its water, once in the paper, is gone.
 
-    What lies there is taken for ink as the tuft holds it, by the pigment of which there is most.
+    What lies there is taken for ink as the tuft holds it where it touches them, by the pigment of
+    which there is most; `found.coats` is changed.
     """
-    total = held_ink(ink)
-    for p in range(ink.load.shape[0]):
-        if ink.load[p] > _TOLD * total:
-            per_part = np.float32(total / ink.load[p])
-            for k in range(n):
-                coats[k] = max(coats[k], per_part * ink.amounts[as_index(ids[k]), p])
+    ids, coats, reservoirs = found.ids, found.coats, ink.reservoirs
+    last = reservoirs.shape[0] - 1
+    if last == 0:
+        total = held_ink(ink)
+        for p in range(ink.load.shape[0]):
+            if ink.load[p] > _TOLD * total:
+                per_part = np.float32(total / ink.load[p])
+                for k in range(n):
+                    coats[k] = max(coats[k], per_part * ink.amounts[as_index(ids[k]), p])
+        return
+    reach = ink.transfer[0].reservoir_mm
+    for k in range(n):
+        v = as_index(ids[k])
+        at = _reservoir(before, after, field, v, reach, last)
+        i = min(np.int64(at), last - 1)
+        t = at - i
+        total = 0.0
+        for p in range(reservoirs.shape[1]):
+            total += (1.0 - t) * reservoirs[i, p] + t * reservoirs[i + 1, p]
+        for p in range(reservoirs.shape[1]):
+            part = (1.0 - t) * reservoirs[i, p] + t * reservoirs[i + 1, p]
+            if part > _TOLD * total:
+                coats[k] = max(coats[k], np.float32(total / part) * ink.amounts[v, p])
 
 
 @uncounted(error_model="numpy", apart=True)
@@ -546,7 +564,7 @@ def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
         rest = weighed / whole
     if ink.load.shape[0] > 1:
-        _count_drained(found.ids, n, ink, found.coats)
+        _count_drained(before, after, found, n, field, ink)
     first = _lay_first_film(coats, landing / whole, before, after, found, n, field, ink, scratch)
     if first > 0.0:
         weighed = weighed_area(n, found.area, found.share, field.area_step)

@@ -4,8 +4,10 @@ Columns run from the right, as many as let the characters be largest without muc
 They stand farther apart than the characters of one, so that the text reads down them; what is left
 stays bare, above a little more than below. A signature (落款) in smaller characters stands below
 the last column where that is shorter than the others, else left of it, in its lower part, within
-the margin; a seal, about as wide as its ink, stands below. On a folding fan, whose ribs meet,
-long columns and short ones take turns: the short ones end where there is no place between the long.
+the margin; a seal, about as wide as its ink, stands below. Without a signature it stands beside the
+end of the text, which stays in the middle: the other side is left as wide. On a folding fan, whose
+ribs meet, long columns and short ones take turns: the short ones end where there is no place
+between the long.
 """
 
 from __future__ import annotations
@@ -44,6 +46,7 @@ __all__ = [
 
 _GAP, _BETWEEN = 0.2, 0.0  # ems: the least between columns, and between characters of one
 _BARE = 0.09  # ems on either side of a character that its ink leaves bare: they may lie in margins
+_FROM_EDGE = 0.025  # ems that a square has to stay away from the paper's edge
 _MOST_GAP, _MOST_BETWEEN = 0.36, 0.3
 _CLOSER = 0.5  # of the distance of columns, at most: characters of one, that it reads as a column
 _LEAST_MM = 4.0  # the smallest characters that a text is composed in
@@ -59,6 +62,8 @@ _SIGNED_LENGTH = 0.85  # of the text's columns, at most
 _LEAST_BELOW, _BELOW = 0.19, 0.35  # ems: a signature below the last column; from that to it
 _LEAST_SIGNATURE_MM, _LEAST_SHARE = 4.0, 0.1
 _LEAST_SEAL_MM = 4.0
+_ALONE_COLUMN, _ALONE_AWAY, _LEAST_ALONE = 1.4, 0.4, 0.6  # of a seal alone: its column; from the
+# text's ink; how much of it stays where there is no place for it within the margin
 _STEP_MM, _OFF_MM, _FARTHEST_MM, _TRIALS = 2.0, 0.01, 2000.0, 4
 _HEAD_ON_FAN = 0.15  # ems from the upper margin of a fan
 _WIDEST_ON_FAN = 0.8  # ems between columns, in the middle of their length
@@ -129,6 +134,7 @@ def compose(
         sheet,
         order == "columns",
         0.0 if signature is None else _signed_length(signature),
+        signature == 0,
         (_GAP, _MOST_GAP) if gap is None else (gap, gap),
         (_BETWEEN, _MOST_BETWEEN) if between is None else (between, between),
     )
@@ -186,8 +192,14 @@ class _Asked:
     sheet: Sheet
     columns: bool
     signature: float  # its length with the seal, in its characters; 0 without one
+    seal_alone: bool
     gap: tuple[float, float]  # from the least to the most, ems
     between: tuple[float, float]
+
+    @property
+    def aside(self) -> float:
+        """Width of the signature's column, in sizes of its characters."""
+        return _ALONE_COLUMN * _SEAL if self.seal_alone else _SIGNED_COLUMN
 
 
 def _best(asked: _Asked, verses: Sequence[str]) -> Composition:
@@ -320,16 +332,20 @@ def _on_rectangle(asked: _Asked, lines: list[str]) -> _Fit:
         blank = (rows - len(lines[-1])) * em * (1.0 + between)
         if asked.signature and (n == 1 or _below_mm(em, asked.signature, blank) is None):
             size = _signature_mm(em, asked.signature, em * (rows + (rows - 1) * least))
-            signature = _SIGNED_COLUMN * min(size, _OF_WIDTH * min(sheet.size))
-            if in_halves:  # it may lie in the margin there, and the other side is as wide
+            signature = asked.aside * min(size, _OF_WIDTH * min(sheet.size))
+            if asked.seal_alone:  # the other side is as wide
+                signature *= 2.0
+            elif in_halves:  # likewise, and it may lie in the margin
                 signature = 2.0 * max(0.0, signature - 0.6 * margins[0])
             wide, gap, between = spaced(signature)
         free = wide - em * (n + (n - 1) * gap), long - em * (rows + (rows - 1) * between)
-        if min(free) >= -1e-6 * em:
+        shift = 0.0 if asked.seal_alone else 0.5 * signature
+        edge = margins[0] + 0.5 * (across - wide + free[0]) - shift  # the paper's, from the squares
+        if min(free) >= -1e-6 * em and (shift == 0.0 or edge >= _FROM_EDGE * em):
             worth = em * math.prod(1.0 - _BARE_COSTS * np.array(free) / (wide, long))
             if best is None or worth > best.worth:
-                x, y = 0.5 * signature, -_LOWER * free[1]
-                best = _Fit(worth, em, gap, between, *((x, y) if columns else (0.0, x)))
+                x, y = (shift, -_LOWER * free[1]) if columns else (0.0, shift)
+                best = _Fit(worth, em, gap, between, x, y)
         em *= _SMALLER
     return best
 
@@ -352,11 +368,12 @@ def _on_disc(asked: _Asked, lines: list[str]) -> _Fit:
     n, rows = len(lines), max(map(len, lines))
     wide = n + (n - 1) * asked.gap[0] - 2.0 * _BARE
     long = rows + (rows - 1) * asked.between[0] - 2.0 * _BARE
-    signed = _SIGNED_COLUMN * _SIGNATURE * 0.75 if asked.signature and columns else 0.0
-    em = 2.0 * radius / math.hypot(wide + signed, long)
+    signed = asked.aside * _SIGNATURE * 0.75 if asked.signature and columns else 0.0
+    shift = 0.0 if asked.seal_alone else 0.5 * signed
+    em = 2.0 * radius / math.hypot(wide + (2.0 * signed if asked.seal_alone else signed), long)
     corner = math.hypot(wide + 2.0 * _BARE, long + 2.0 * _BARE)
     em = min(em, 0.97 * sheet.width_mm / corner, 0.6 * sheet.width_mm)
-    return _Fit(em, em, asked.gap[0], asked.between[0], 0.5 * signed * em, 0.0)
+    return _Fit(em, em, asked.gap[0], asked.between[0], shift * em, 0.0)
 
 
 def _on_fan(asked: _Asked, lines: list[str]) -> _Fit:
@@ -368,7 +385,9 @@ def _on_fan(asked: _Asked, lines: list[str]) -> _Fit:
     n, rows = (len(lines), max(map(len, lines))) if columns else (max(map(len, lines)), len(lines))
     aside, along = (asked.gap, asked.between) if columns else (asked.between, asked.gap)
     long = rows + (rows - 1) * along[0]
-    signed = _SIGNED_COLUMN * _SIGNATURE if asked.signature and columns else 0.0
+    signed = asked.aside * _SIGNATURE if asked.signature and columns else 0.0
+    if asked.seal_alone:
+        signed *= 2.0
     lengths = list(map(len, lines)) if columns else [rows] * n
     # columns touch where they are nearest to the apex: neighbours, and those beside a shorter one
     beside = max(map(min, pairwise(lengths)), default=0)
@@ -398,7 +417,7 @@ def _on_fan(asked: _Asked, lines: list[str]) -> _Fit:
     pitch = (opening - signature - em / lower) / (n - 1) if n > 1 else 0.0
     widest = aside[1] if aside[0] == aside[1] else _WIDEST_ON_FAN  # equal where it is given
     apart = min(max(pitch * middle / em - 1.0, aside[0]), widest)
-    turn = 0.5 * signature
+    turn = 0.0 if asked.seal_alone else 0.5 * signature
     x, y = middle * math.sin(turn), middle * math.cos(turn) + fan.apex
     return _Fit(em, em, *((apart, along[0]) if columns else (along[0], apart)), x, y)
 
@@ -500,7 +519,7 @@ def sign_beside(
     squares : sequence of EmSquare
         Of the text, in writing order.
     n : int
-        Characters of the signature; 0 for a seal alone.
+        Characters of the signature; 0 for a seal alone, which stands beside the text's end.
     order : {"columns", "row"}
         Of the text; the signature is laid out likewise.
     """
@@ -524,7 +543,8 @@ def sign_beside(
     if sheet is not None:
         size = min(size, _OF_WIDTH * min(sheet.size))
     below = _below_mm(em, whole, (rows - len(last)) * pitch) if len(lines) > 1 else None
-    end = length - 0.5 * em - (0.5 if length > 4.0 * em else _BARE) * em  # from the first's middle
+    foot = 0.5 if n and length > 4.0 * em else _BARE  # a seal alone stands beside the text's end
+    end = length - (0.5 + foot) * em  # from the first's middle
     away = 0.0
     paper = _Paper(mesh)
     if below is not None:
@@ -535,11 +555,14 @@ def sign_beside(
     else:
         inked = (0.5 - _BARE) * em
         free = paper.room(first.origin + inked * aside, aside)
-        within = free - (0.0 if sheet is None else sheet.margin_mm) + _BARE * size
+        within = free - (0.0 if sheet is None else sheet.margin_mm) + (_BARE * size if n else 0.0)
         size = min(size, free / 1.5)
+        if n == 0:
+            size *= min(1.0, max(within / (_ALONE_COLUMN * _SEAL * size), _LEAST_ALONE))
         for _ in range(_TRIALS):
-            beside = max(min(_AWAY * size, within - size), 0.3 * (free - size), 0.1 * size)
-            away = inked + 0.5 * size + min(_AWAY * size, beside)
+            wide, apart = (size, _AWAY * size) if n else (_SEAL * size, _ALONE_AWAY * _SEAL * size)
+            beside = max(min(apart, within - wide), 0.3 * (free - wide), 0.1 * size)
+            away = inked + 0.5 * wide + min(apart, beside)
             away *= paper.splay(first.origin, end)
             at, down = paper.beside(first.origin, away, aside, onward)
             above, under = (paper.room(at, way) - 0.4 * size for way in (-down, down))

@@ -1,7 +1,8 @@
 """When the brush is dipped.
 
 A planned recording presses the dip button before every character; here the presses that are not
-needed are removed, so that the load of the brush falls along a column.
+needed are removed, so that the load of the brush falls along a column. A character that takes more
+than the brush holds is dipped for again between its strokes.
 
 What a way takes of the ink in the brush follows from eta' sum pe ds (docs/model.md, equations (10)
 and (10a)), so what a character takes is known before it is painted, as far as the way of the
@@ -35,6 +36,7 @@ LEAST_LOAD = 0.2
 
 _LASTS = (1.0 - LEAST_LOAD - FADING * math.log(LEAST_LOAD)) / (1.0 + FADING)
 """Sum of `ink_taken` until `LEAST_LOAD` of a dip is left, on paper; on a glaze more is."""
+_MOST_TAKEN = _LASTS * (1.0 + 1e-9)  # sums of the same numbers differ in their last bits
 
 _CHARACTERS = 4.0  # of a middle size that a dip is for
 _NEW_COLUMN = 1.6  # times the usual step from character to character: there the column ends
@@ -52,7 +54,8 @@ def apply_dip_option(
     recording, brush, material
         As for `remove_dips`.
     wanted : {"auto", "always"} or int
-        "always": the whole tuft before every character, as it was planned.
+        "always": the whole tuft before every character, as it was planned. A photograph's or a
+        drawing's strokes may say themselves how much the brush holds, so nothing is added to it.
     """
     if wanted == "always":
         return recording
@@ -63,6 +66,9 @@ def remove_dips(
     recording: Recording, brush: BrushSpec, every: int | None, material: Material
 ) -> Recording:
     """Dip the brush before some characters only, and in so little ink as these take.
+
+    Where a whole tuft does not last for a character, it is dipped again before the strokes of it
+    that would leave less than `LEAST_LOAD`.
 
     Parameters
     ----------
@@ -94,7 +100,8 @@ def remove_dips(
         )
     down = (recording.buttons & DIP) != 0
     starts = np.concatenate([[0], np.flatnonzero(down[1:] & ~down[:-1]) + 1])
-    taken = np.add.reduceat(ink_taken(recording, brush, material), starts)
+    rates = ink_taken(recording, brush, material)
+    taken = np.add.reduceat(rates, starts)
     if every is None:
         most = max(_CHARACTERS * np.median(taken), float(taken.max()))
         wetted = _wetted_fraction(most / _LASTS)
@@ -105,11 +112,32 @@ def remove_dips(
         wetted = _wetted_fraction(float(runs.max()) / _LASTS)
     buttons = np.array(recording.buttons)
     ends = np.append(starts[1:], len(buttons))
+    used = 0.0  # of the wetted tuft, since the last dip
     for start, end, stays in zip(starts, ends, dips, strict=True):
-        if not stays:
+        if stays:
+            used = 0.0
+        else:
             buttons[start:end] &= ~DIP
+        for lifted, touches, leaves in _strokes_within(recording, start, end):
+            takes = float(rates[touches:leaves].sum()) / wetted
+            if used > 0.0 and used + takes > _MOST_TAKEN:
+                buttons[lifted:touches] |= DIP
+                used = 0.0
+            used += takes
     amount = {"dip": DipAmount(wetted).words()}
     return replace(recording, buttons=buttons, header={**recording.header, **amount})
+
+
+def _strokes_within(recording: Recording, start: int, end: int) -> list[tuple[int, int, int]]:
+    """Strokes of a character: from where on the pen is up before, where it is down, and up again.
+
+    Those that the pen is not lifted before are part of the one before them.
+    """
+    down = np.concatenate([[False], _touches(recording)[start:end], [False]])
+    begins = start + np.flatnonzero(down[1:] & ~down[:-1])
+    leaves = start + np.flatnonzero(down[:-1] & ~down[1:])
+    lifted = np.concatenate([[start], leaves[:-1]])
+    return list(zip(lifted.tolist(), begins.tolist(), leaves.tolist(), strict=True))
 
 
 def _wetted_fraction(share: float) -> float:
@@ -160,10 +188,16 @@ def _root_in_object(recording: Recording) -> AnyArray:
     return result
 
 
+def _touches(recording: Recording) -> NDArray[np.bool_]:
+    """(N,) bool: samples that are pressed."""
+    pressure = recording.pressure
+    return np.zeros(len(recording), bool) if pressure is None else pressure > 0.0
+
+
 def _find_column_heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
     """(K,) bool: characters that lie much farther from the one before than usual."""
     place = _root_in_object(recording)
-    touches = (np.zeros(len(place)) if recording.pressure is None else recording.pressure) > 0.0
+    touches = _touches(recording)
     weights = np.add.reduceat(touches.astype(float), starts)
     sums = np.add.reduceat(np.where(touches[:, None], place, 0.0), starts, axis=0)
     middle = sums / np.maximum(weights, 1.0)[:, None]
@@ -181,6 +215,6 @@ def _find_needed_dips(taken: AnyArray, heads: NDArray[np.bool_]) -> NDArray[np.b
     used = math.inf
     for k in range(len(taken)):
         ahead = taken[k : k + _ROOM].sum() if heads[k] else taken[k]
-        dips[k] = used + ahead > _LASTS * (1.0 + 1e-9)
+        dips[k] = used + ahead > _MOST_TAKEN
         used = taken[k] + (0.0 if dips[k] else used)
     return dips

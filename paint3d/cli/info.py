@@ -79,8 +79,11 @@ def info_lines(surface: ClosestPoints) -> Iterator[str]:
     if sheet is not None:
         panels = f"{sheet.usual.panels} panels of " if sheet.usual.panels > 1 else ""
         width, height = sheet.size
+        sides = f"{width:g} x {height:g} mm"
+        if sheet.usual.shape == "sector":
+            sides = f"{width:g} mm across, its leaf {height:g} mm broad"
         yield (
-            f"a sheet, {sheet.usual.chinese}: {panels}{width:g} x {height:g} mm, "
+            f"a sheet, {sheet.usual.chinese}: {panels}{sides}, "
             f"margin {sheet.margin_mm:g} mm, {sheet.usual.material}"
         )
     if is_flat(surface):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import os
-from importlib import import_module
 
 from paint3d.cli.options import (
     BUILT_IN_HELP,
@@ -27,8 +26,6 @@ paint3d paint vase.p3d --stylus openhaptics
 """
 
 _LANGUAGES = ("en", "zh")
-# Once Qt is there it reads the source of every module that is imported, for a word: 70 ms of them.
-_BEFORE_QT = ("paint3d.app.model.document", "paint3d.view.live_scene")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -64,11 +61,13 @@ def run(options: argparse.Namespace) -> None:
         from paint3d.colour.materials import load_material
 
         load_material(options.material)
-    say_if_compiling(quiet=options.quiet)
     os.environ.setdefault("QT_LOGGING_RULES", "qt.qpa.*=false")
     try:
-        for module in _BEFORE_QT:
-            import_module(module)
+        from paint3d.app.window.program import make_program, show_opening
+
+        make_program()
+        opening = show_opening()
+        say_if_compiling(quiet=options.quiet)
         from paint3d.app.window.start import run_studio
     except ImportError as cause:
         raise InputError(
@@ -84,4 +83,5 @@ def run(options: argparse.Namespace) -> None:
         unit=options.unit,
         up=None if options.up == "auto" else options.up,
         stylus=options.stylus,
+        opening=opening,
     )

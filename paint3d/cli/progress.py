@@ -1,10 +1,11 @@
-"""A progress bar for a terminal; silent when stderr is a file or a pipe."""
+"""A progress bar for a terminal; in a file or a pipe, a few lines about what takes long."""
 
 from __future__ import annotations
 
 import sys
 import threading
 import time
+from contextlib import suppress
 from types import TracebackType
 from typing import Self, TextIO
 
@@ -15,6 +16,7 @@ __all__ = ["ProgressBar", "say_if_compiling"]
 _WIDTH = 30
 _INTERVAL_S = 0.1
 _TICK_S = 0.5
+_FIRST_LINE_S = 5.0  # in a pipe; each next one after twice the time
 _CLEAR = "\r\x1b[K"  # the line
 _RUNNER = "###"  # goes to and fro while nobody knows how much is done
 
@@ -23,7 +25,8 @@ class ProgressBar:
     """Call it with the fraction done; it draws at most ten times a second and erases itself.
 
     Used with `with`, it moves on by itself twice a second: with the time that is left, or, where
-    nothing was told yet, to and fro.
+    nothing was told yet, to and fro. To a stream that is no terminal it writes a line after 5 s,
+    and one each time twice as much has passed.
 
     Parameters
     ----------
@@ -32,13 +35,14 @@ class ProgressBar:
     enabled : bool
         False never draws, as for ``--quiet``.
     stream : text file, optional
-        Where to draw: stderr unless told. Nothing is drawn unless it is a terminal.
+        Where to draw: stderr unless told.
     """
 
     def __init__(self, label: str, *, enabled: bool = True, stream: TextIO | None = None) -> None:
         self._stream = sys.stderr if stream is None else stream
         self._label = label
         self._is_terminal = self._stream.isatty()
+        self._enabled = enabled
         self._active = enabled and self._is_terminal
         self._started = time.monotonic()
         self._drawn = -_INTERVAL_S
@@ -61,14 +65,10 @@ class ProgressBar:
         self._drawn = -_INTERVAL_S
 
     def _draw(self) -> None:
-        elapsed = time.monotonic() - self._started
-        self._drawn = elapsed
-        told = f" {elapsed:4.0f} s"
+        self._drawn = time.monotonic() - self._started
+        told = self._tell()
         if self._done:
             bar = ("#" * round(self._done * _WIDTH)).ljust(_WIDTH, ".")
-            if self._done > 0.02:
-                told = f" {elapsed * (1 - self._done) / self._done:4.0f} s left"
-            told = f" {self._done:4.0%}{told}"
         else:
             room = _WIDTH - len(_RUNNER)
             at = room - abs(room - self._ticks % (2 * room))
@@ -76,6 +76,15 @@ class ProgressBar:
         with self._drawing:
             if not self._over.is_set():
                 self._write(f"{_CLEAR}{self._label} [{bar}]{told}")
+
+    def _tell(self) -> str:
+        """How much is done and how long it still takes, or how long it has taken."""
+        elapsed, done = time.monotonic() - self._started, self._done
+        if not done:
+            return f" {elapsed:4.0f} s"
+        if done <= 0.02:
+            return f" {done:4.0%} {elapsed:4.0f} s"
+        return f" {done:4.0%} {elapsed * (1 - done) / done:4.0f} s left"
 
     def _write(self, text: str) -> None:
         try:
@@ -89,13 +98,23 @@ class ProgressBar:
 
     def _tick(self) -> None:
         leave_interrupts_to_others()  # who waits for the work is to be interrupted
+        if not self._is_terminal:
+            self._tell_now_and_then()
+            return
         while not self._over.wait(_TICK_S):
             if time.monotonic() - self._started - self._drawn >= _TICK_S:
                 self._ticks += 1
                 self._draw()
 
+    def _tell_now_and_then(self) -> None:
+        after = _FIRST_LINE_S
+        with suppress(OSError):  # nobody reads the pipe any more
+            while not self._over.wait(max(0.0, self._started + after - time.monotonic())):
+                self.note(f"{self._label}{self._tell()}")
+                after *= 2.0
+
     def __enter__(self) -> Self:
-        if self._active:
+        if self._enabled:
             self._ticker = threading.Thread(target=self._tick, name="progress", daemon=True)
             self._ticker.start()
         return self

@@ -127,7 +127,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     what.add_argument(
         "--seal",
         metavar="TEXT",
-        help="1 to 4 characters of a seal, pressed below the signature, or below the text",
+        help="1 to 4 characters of a seal, pressed below the signature; without one, left of "
+        "the text's end",
     )
     add_task_options(parser)
     add_dip_option(parser, f"{DIPS}; of drawings always")
@@ -469,7 +470,7 @@ def sign(
     written: Written,
     seconds: dict[str, float],
 ) -> None:
-    """Write a signature beside a text, and press a seal below it.
+    """Write a signature beside a text, and press a seal below it, or beside the text's end.
 
     Raises
     ------
@@ -619,7 +620,9 @@ def plan(
     }
     if options.tip is not None:
         header |= {"tip": describe_ink(load_ink(options.tip)), "reach": options.reach}
-    with timed(seconds, "plan"), ProgressBar("planning", enabled=not options.quiet) as bar:
+    n = len("".join((getattr(options, "text", None) or "").split()))
+    label = f"planning {n} character{'s' if n > 1 else ''}" if n else "planning"
+    with timed(seconds, "plan"), ProgressBar(label, enabled=not options.quiet) as bar:
 
         def tell(character: str, fraction: float) -> None:
             if not options.quiet:

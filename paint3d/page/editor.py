@@ -26,7 +26,7 @@ __all__ = ["Editor"]
 _NAME = "the painting"
 
 
-class Editor(AnyWidget):  # type: ignore[misc]
+class Editor(AnyWidget):
     """A painting in a cell of Jupyter or marimo, painted on by pen, mouse or finger; see `edit`.
 
     Attributes

@@ -119,7 +119,8 @@ def test_the_line_of_status_tells_how_far_painting_is_behind(window) -> None:
     settled(window)
     frame, told = window.stage.frame, window.status.state
     for lag_s, waiting, wanted in (
-        (0.25, 3, "behind by 250 ms"), (0.0042, 0, "keeps up, 4.2 ms"), (0.5, 2, "by 500 ms"),
+        (0.9, 3, "is catching up with your strokes, 0.9 s"), (0.0042, 0, "keeps up, 4.2 ms"),
+        (0.5, 2, "0.5 s"), (0.25, 3, "keeps up, 250"), (0.5, 2, "0.5 s"), (0.5, 0, "has caught up"),
     ):  # fmt: skip
         window.status.show(dataclasses.replace(frame, lag_s=lag_s, queue_length=waiting), 0.02)
         assert wanted in told.text()

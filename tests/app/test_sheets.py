@@ -16,6 +16,7 @@ from paint3d.app.model.persistence.settings import Settings, load_settings
 from paint3d.app.window.object.new_dialog import NewDialog
 from paint3d.app.window.wording import choose_language
 from paint3d.mesh.sheet_mesh import sheet_of
+from paint3d.mesh.sheets import FORMS
 from tests.support.app.gestures import BUTTON, answer, pen_stroke, type_key, wait_for
 from tests.support.app.windows import opened, settled
 
@@ -128,7 +129,9 @@ def test_a_material_says_whether_ink_spreads_and_an_object_how_large_it_is(
     for material, words in (("sized xuan", "stays"), ("xuan", "spreads"), ("porcelain", "stays")):
         dialog.material.setCurrentIndex(dialog.material.findData(material))
         assert words in dialog.wetness.text()
-    assert dialog.objects.item(0).text() == "Bowl\n15 × 6.8 cm"
+    assert dialog.objects.item(0).text() == "Bowl\n150 × 68 mm"
+    fan = dialog.sheets.item(list(FORMS).index("fan"))
+    assert fan.text() == "Folding fan\n510 × 237 mm"
 
 
 def test_what_cannot_be_is_said_and_not_begun(window) -> None:
@@ -163,5 +166,5 @@ def test_sheets_have_chinese_names(window) -> None:
         dialog.deleteLater()
     finally:
         choose_language("en")
-    assert words[0].startswith("条幅\n34 × 138")
+    assert words[0].startswith("条幅\n340 × 1380 mm")
     assert not any(word[0].isascii() for word in words if not word.startswith("A"))

@@ -246,7 +246,7 @@ def test_any_tip_within_the_ranges_bends(exponent, n, tip, rated_n, rated_tip):
 # -- presets -----------------------------------------------------------------------------------
 
 
-SIZES = np.geomspace(8.0, 200.0, 40)
+SIZES = np.geomspace(8.0, 350.0, 40)
 
 
 def test_every_size_has_a_brush_and_larger_ones_no_smaller_brush():
@@ -262,6 +262,7 @@ def test_new_brushes_come_after_the_others():
     assert brush_names() == (
         "full", "slender", "calibrated", "xiaokai", "zhongkai", "dakai", "gongbi", "baiyun",
         "xiaobaiyun", "zhongbaiyun", "dabaiyun", "feibai", "langhao", "yanghao", "jianhao",
+        "tidou",
     )  # fmt: skip
 
 
@@ -278,7 +279,7 @@ def test_weasel_is_thin_and_springs_back_goat_is_broad_and_stays_bent():
     assert (np.diff(widths, axis=0) > 0.0).all()
 
 
-@pytest.mark.parametrize("em", [8.0, 21.9, 22.1, 60.0, 60.1, 200.0])
+@pytest.mark.parametrize("em", [8.0, 21.9, 22.1, 60.0, 60.1, 200.0, 200.1, 350.0])
 def test_brush_makes_the_strokes_of_its_size(em):
     """Kaishu's strokes are 1 to 14 % of the em wide; the footprint must be about as long."""
     footprints = tabulate_footprints(build_tuft(load_brush(choose_brush(em))), 0.2 * em)
@@ -291,7 +292,7 @@ def test_brush_makes_the_strokes_of_its_size(em):
     assert load_brush(choose_brush(em)).length_mm < 2.6 * em
 
 
-@pytest.mark.parametrize("em", [7.9, 200.1, float("nan"), -3.0, "large"])
+@pytest.mark.parametrize("em", [7.9, 350.1, float("nan"), -3.0, "large"])
 def test_other_sizes_are_refused(em):
     with pytest.raises(InputError, match="size of the characters"):
         choose_brush(em)

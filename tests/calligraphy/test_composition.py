@@ -137,6 +137,27 @@ def test_on_a_fan_a_seal_stands_clear_of_columns_that_draw_together(text: str) -
     assert away > 0.5 * (found.em_mm + beside.seal_mm)
 
 
+@pytest.mark.parametrize("form", ["scroll", "square", "fan", "sheet:340x1360"])
+def test_a_seal_alone_stands_beside_the_end_of_a_text_in_the_middle(form: str) -> None:
+    mesh, found, squares = laid(form, "山高水長", signature=0)
+    sheet, beside = parse_sheet(form), sign_beside(mesh, squares, 0)
+    ink = middles(squares)[:, 0]
+    assert abs(ink.min() + ink.max()) < 0.01 * found.em_mm
+    rim = 0.5 * beside.seal_mm
+    away = squares[-1].chart.frame.origin - beside.seal_point
+    x_axis, y_axis = squares[-1].chart.frame.x_axis, squares[-1].chart.frame.y_axis
+    assert away @ x_axis > 0.41 * found.em_mm + rim + 0.1 * beside.seal_mm  # left of the ink
+    assert away @ y_axis + rim == pytest.approx(0.41 * found.em_mm, abs=0.1 * found.em_mm)
+    if form != "fan":
+        assert beside.seal_point[0] - rim > -0.5 * sheet.width_mm + sheet.margin_mm - 0.1
+
+
+def test_a_large_column_beside_its_signature_stays_on_the_paper() -> None:
+    _, found, squares = laid("sheet:340x1360", "山高水長", signature=2)
+    assert len(found.lines) == 1
+    assert len(squares) == 4
+
+
 def test_a_short_signature_is_composed_below_a_short_column() -> None:
     text = "朝辭白帝彩雲間千里江陵一日還兩岸猿聲啼不住輕舟已過萬重山"
     mesh, found, squares = laid("square", text, signature=3)

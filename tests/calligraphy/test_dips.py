@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from functools import lru_cache
 from importlib.resources import files
 from pathlib import Path
@@ -106,6 +107,25 @@ def test_a_column_is_not_begun_with_a_brush_that_is_nearly_dry() -> None:
     columns = remove_dips(text([0.1] * 6, [20.0] * 3 + [60.0] + [20.0] * 2), BRUSH, None, XUAN)
     assert dipped_before(same) == [0, 4]
     assert dipped_before(columns) == [0, 3]
+
+
+@pytest.mark.parametrize(
+    ("takes", "every", "dipped"),
+    [
+        ([0.5, 0.5, 0.3, 0.7], None, [0, 1, 3]),
+        ([0.5, 0.5, 0.3, 0.7], 1, [0, 1, 3]),
+        ([1.5, 0.1, 0.1], None, [0, 1]),  # nothing is done for one long stroke but at its ends
+        ([0.2, 0.3, 0.3], None, [0]),
+    ],
+)
+def test_a_character_that_takes_more_than_the_brush_holds_is_dipped_for_between_its_strokes(
+    takes: list[float], every: int | None, dipped: list[int]
+) -> None:
+    strokes = text(takes)
+    one = replace(strokes, buttons=np.where(np.arange(len(strokes)) == 0, DIP, 0).astype(np.int32))
+    recording = remove_dips(one, BRUSH, every, XUAN)
+    assert dipped_before(recording) == dipped
+    assert not recording.buttons[recording.pressure > 0.0].any()
 
 
 def test_always_is_as_it_was_planned() -> None:

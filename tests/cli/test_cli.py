@@ -418,13 +418,38 @@ def test_rounds_go_on_in_a_thread_that_hears_no_signals() -> None:
     assert whole
 
 
-def test_progress_is_silent_in_a_pipe_and_when_quiet() -> None:
+def test_progress_is_silent_in_a_pipe_for_what_is_soon_done_and_when_quiet() -> None:
     pipe, terminal = io.StringIO(), Terminal()
     with progress.ProgressBar("a", stream=pipe) as in_pipe:
         in_pipe(0.5)
-    with progress.ProgressBar("a", stream=terminal, enabled=False) as quiet:
-        quiet(0.5)
+    for stream in (pipe, terminal):
+        with progress.ProgressBar("a", stream=stream, enabled=False) as quiet:
+            quiet(0.5)
     assert pipe.getvalue() == terminal.getvalue() == ""
+
+
+class Broken(io.StringIO):
+    """A pipe that nobody reads any more."""
+
+    def write(self, text: str) -> int:
+        raise BrokenPipeError
+
+
+def test_what_takes_long_says_a_few_lines_in_a_pipe(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(progress, "_FIRST_LINE_S", 0.001)
+    pipe, caught = io.StringIO(), []
+    monkeypatch.setattr(threading, "excepthook", caught.append)
+    with progress.ProgressBar("painting", stream=pipe) as bar:
+        while "painting    0 s\n" not in pipe.getvalue():  # the suite's limit ends what never comes
+            time.sleep(0.001)
+        bar(0.5)
+        while "painting  50%" not in pipe.getvalue():
+            time.sleep(0.001)
+    assert "\r" not in pipe.getvalue()
+    assert pipe.getvalue().count("\n") < 16  # each after twice the time
+    with progress.ProgressBar("painting", stream=Broken()) as bar:
+        bar._ticker.join()
+    assert not caught
 
 
 @pytest.mark.parametrize("compiled", [False, True])

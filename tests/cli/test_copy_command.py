@@ -109,12 +109,12 @@ def test_what_is_large_is_copied_and_written_with_the_largest_brush(
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("paint3d.calligraphy.photo.copying.check_widths", check)
-    asked = "--text", "十", "--on", "plane", "--size", 300, "--out", "a.ply"
+    asked = "--text", "十", "--on", "plane", "--size", 400, "--out", "a.ply"
     assert copy(photo, *asked) == 2
-    words = ["一", "--on=plane", "--size=300", "--out=a.ply"]
+    words = ["一", "--on=plane", "--size=400", "--out=a.ply"]
     written = settings_of(command_parser("write").parse_args(words)).brush
     assert brushes == [written]
-    assert written == load_brush(choose_brush(200.0))
+    assert written == load_brush(choose_brush(350.0))
 
 
 def test_ink_that_is_in_no_stroke_is_told(tmp_path: Path, capsys) -> None:

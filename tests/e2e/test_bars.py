@@ -67,7 +67,7 @@ def test_every_step_of_a_command_has_its_bar(
     begun, enter = [], ProgressBar.__enter__
 
     def noted(self: ProgressBar) -> ProgressBar:
-        begun.append(self._label)
+        begun.append(self._label.removesuffix(" 1 character"))
         return enter(self)
 
     monkeypatch.setattr(ProgressBar, "__enter__", noted)

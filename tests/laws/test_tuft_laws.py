@@ -86,7 +86,7 @@ def test_it_grows_with_the_press(spec, share):
 
 
 @settings(deadline=None, max_examples=25)
-@given(spec=presets, share=st.floats(0.02, 0.95))
+@given(spec=presets, share=st.floats(0.03, 0.95))  # lower a blunt point is flattened as fast
 def test_it_grows_with_the_spread(spec, share):
     """Law 2; a brush as slim as no preset would be flatter and shorter by more than it is wider."""
     tuft = build_tuft(spec)
@@ -122,13 +122,14 @@ def test_a_lift_off_narrows_without_beads(name):
     """Law 6: one flank, ever narrower, to a point as fine as the tuft's."""
     spec = load_brush(name)
     is_pointed = spec.point_mm >= spec.tip_segment_mm
-    places, half = lift_off(build_tuft(spec))
+    scale = max(1.0, spec.length_mm / 52.0)
+    places, half = lift_off(build_tuft(spec), length_mm=20.0 * scale)
     if not is_pointed:  # a blunt tip ends round
-        there = places < places[half > 0.0].max() - 0.5
+        there = places < places[half > 0.0].max() - 0.5 * scale
         places, half = places[there], half[there]
     flank = half < 0.95 * half.max()  # beyond its shoulder
     assert np.diff(half[flank & (half > 0.05)]).max() <= 1e-6
-    slope = -np.gradient(gaussian_filter1d(half, 5, mode="nearest"), places)[:-20]
+    slope = -np.gradient(gaussian_filter1d(half, 5.0 * scale, mode="nearest"), places)[:-20]
     flank, thick = flank[:-20], half[:-20]
     beads, _ = find_peaks(slope[flank & (thick > 0.05)], prominence=0.03)
     assert len(beads) == 0

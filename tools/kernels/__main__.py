@@ -49,8 +49,8 @@ def main() -> int:
         if is_built(processors, into):
             return 0
         start = time.monotonic()
-        sys.stderr.write("kernels: compiling them, about a minute\n")
-        build(processors, into, _show if sys.stderr.isatty() else lambda done, of: None)
+        sys.stderr.write("kernels: compiling them, 1 to 10 minutes\n")
+        build(processors, into, _show if sys.stderr.isatty() else _tell)
         sys.stderr.write(f"kernels: compiled in {time.monotonic() - start:.0f} s\n")
     except (BuildError, TableError, ImportError) as error:
         sys.stderr.write(f"kernels: not compiled: {error}\n")
@@ -63,6 +63,13 @@ def _show(done: int, of: int) -> None:
     bar = f"\rkernels: [{'#' * full}{'.' * (_BAR - full)}]"
     sys.stderr.write(bar + ("\n" if done == of else ""))
     sys.stderr.flush()
+
+
+def _tell(done: int, of: int) -> None:
+    """Write a line each time another fifth is done, for a log."""
+    if 5 * done // of > 5 * (done - 1) // of:
+        sys.stderr.write(f"kernels: {100 * done // of} % compiled\n")
+        sys.stderr.flush()
 
 
 if __name__ == "__main__":

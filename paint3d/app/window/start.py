@@ -3,22 +3,18 @@
 from __future__ import annotations
 
 import logging
-import os
-import sys
 from concurrent.futures import CancelledError
 from dataclasses import replace
 
-import PySide6
-from PySide6 import QtCore, QtGui, QtWidgets
+from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.input.devices import plug_in_mice, start_feeling
 from paint3d.app.model.persistence.settings import load_settings
-from paint3d.app.window.garbage import collect_here
+from paint3d.app.window.program import make_program
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language, say
 from paint3d.app.window.wording import language as spoken
 from paint3d.core.own_folders import stand_in
-from paint3d.errors import InputError
 from paint3d.haptics.stylus_choice import check_stylus
 from paint3d.pose.mouse_settings import MouseSettings
 
@@ -30,42 +26,6 @@ log = logging.getLogger("paint3d.start")
 """How far the start is, at level DEBUG: for those who measure it."""
 
 
-def make_program() -> QtWidgets.QApplication:
-    """The program, once.
-
-    Raises
-    ------
-    InputError
-        If there is no display.
-    """
-    there = QtWidgets.QApplication.instance()
-    if isinstance(there, QtWidgets.QApplication):
-        return there
-    if sys.platform.startswith("linux") and not (
-        os.environ.get("DISPLAY")
-        or os.environ.get("WAYLAND_DISPLAY")
-        or os.environ.get("QT_QPA_PLATFORM")
-    ):
-        raise InputError("there is no display to open a window on; expected DISPLAY to be set")
-    if sys.version_info < (3, 12) and PySide6.__version_info__[:3] == (6, 12, 0):
-        raise InputError(
-            "PySide6 6.12.0 does not hold on Python before 3.12; expected another version of either"
-        )
-    QtGui.QGuiApplication.setHighDpiScaleFactorRoundingPolicy(
-        QtCore.Qt.HighDpiScaleFactorRoundingPolicy.PassThrough
-    )
-    QtCore.QCoreApplication.setOrganizationName("paint3d")
-    QtCore.QCoreApplication.setApplicationName("paint3d")
-    program = QtWidgets.QApplication(["paint3d"])
-    # every event of a hand counts; how many are joined would depend on how fast pictures are drawn.
-    # Said once there is a program: on X11 Qt joins them from its start, whatever was said before
-    for kind in ("AA_CompressHighFrequencyEvents", "AA_CompressTabletEvents"):
-        attribute = QtCore.Qt.ApplicationAttribute[kind]
-        QtCore.QCoreApplication.setAttribute(attribute, False)
-    collect_here(program)
-    return program
-
-
 def run_studio(
     target: str | None,
     *,
@@ -75,6 +35,7 @@ def run_studio(
     unit: str | None = None,
     up: str | None = None,
     stylus: str | None = None,
+    opening: QtWidgets.QWidget | None = None,
 ) -> int:
     """Open the window and stay until it is closed.
 
@@ -95,6 +56,8 @@ def run_studio(
         The axis of the mesh that points up; by default as its file says, or guessed.
     stylus : str, optional
         Which stylus pushes back (`find_stylus`), from now on; by default what was chosen last.
+    opening : QWidget, optional
+        Shown until now, to be closed once the window is there.
 
     Returns
     -------
@@ -125,6 +88,8 @@ def run_studio(
     _tell_painted(window)
     window.show()
     window.recent.show()
+    if opening is not None:
+        QtCore.QTimer.singleShot(0, opening.close)
     try:
         open_first(window, target, resolution, material, unit, up)
     except BaseException:

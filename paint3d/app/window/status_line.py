@@ -19,7 +19,7 @@ __all__ = ["SPEEDS", "ReplayBar", "StatusLine", "keeping_up"]
 # How the painting keeps up with the hand, in a state and words.
 
 
-_SLOW_S = 0.1  # what was painted last had waited so long: it is said to be behind
+_SLOW_S = 0.4  # what was painted last had waited so long: seen, and not over with the next frame
 
 
 def keeping_up(frame: PaintingFrame | None) -> tuple[str, str]:
@@ -28,7 +28,7 @@ def keeping_up(frame: PaintingFrame | None) -> tuple[str, str]:
     if frame is None or lag_s <= _SLOW_S:
         return "good", say("keeps up, {ms:.1f} ms", ms=1e3 * lag_s)
     if frame.queue_length > 0:
-        return "slow", say("behind by {ms:.0f} ms", ms=1e3 * lag_s)
+        return "slow", say("is catching up with your strokes, {s:.1f} s", s=lag_s)
     return "good", say("has caught up")
 
 

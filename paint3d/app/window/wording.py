@@ -35,6 +35,7 @@ __all__ = [
     "say_material",
     "say_object",
     "say_purpose",
+    "say_sides",
     "say_units",
     "system_language",
 ]
@@ -179,6 +180,7 @@ _BRUSHES = {
     "langhao": Message("langhao"),
     "yanghao": Message("yanghao"),
     "jianhao": Message("jianhao"),
+    "tidou": Message("tidou"),
 }
 _PURPOSES = {
     "full": Message("large, for trying out"),
@@ -196,6 +198,7 @@ _PURPOSES = {
     "langhao": Message("elastic, sharp point"),
     "yanghao": Message("soft, for washes"),
     "jianhao": Message("for running script"),
+    "tidou": Message("kaishu, 200 to 350 mm"),
 }
 _HAIRS = {
     "goat": Message("goat hair"),
@@ -262,6 +265,12 @@ def say_length(mm: float) -> str:
     """A length in words, in the unit that was chosen."""
     number = mm / UNITS_MM[_unit[0]]
     return f"{number:.0f} {_unit[0]}" if number >= 100.0 else f"{number:.3g} {_unit[0]}"
+
+
+def say_sides(*sides_mm: float) -> str:
+    """Lengths of sides in words, in the unit that was chosen."""
+    *others, last = (say_length(side) for side in sides_mm)
+    return " × ".join([*(other.split()[0] for other in others), last])
 
 
 def say_left(seconds: float) -> str:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.job import JobProgress
-from paint3d.app.window.wording import say_length, say_material, say_object
+from paint3d.app.window.wording import say_material, say_object, say_sides
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
 from paint3d.files.progress import part_of
@@ -29,8 +29,7 @@ __all__ = [
 def described(source: TriangleMesh, material: Material) -> str:
     """What is painted on, in words: the object, its material, its width, depth and height."""
     sides = np.ptp(source.vertices, axis=0)
-    message = [say_length(side) for side in sides if side > 0.05 * sides.max()]
-    size = " × ".join([*(length.split()[0] for length in message[:-1]), message[-1]])
+    size = say_sides(*(side for side in sides if side > 0.05 * sides.max()))
     return f"{say_object(source.name)}, {say_material(material)}, {size}"
 
 

@@ -14,12 +14,12 @@ from paint3d.app.model.persistence.settings import Settings
 from paint3d.app.window.forms import FormDialog, buttons
 from paint3d.app.window.object.material_box import MaterialBox
 from paint3d.app.window.questions import ask
-from paint3d.app.window.wording import say, say_error, say_object
+from paint3d.app.window.wording import say, say_error, say_length, say_object, say_sides
 from paint3d.colour.materials import Material, load_material
 from paint3d.colour.spectra import srgb_from_reflectance
 from paint3d.errors import Message, Paint3DError
 from paint3d.files.load import BUILT_IN_OBJECTS, read_mesh
-from paint3d.mesh.sheet_mesh import drawn
+from paint3d.mesh.sheet_mesh import drawn, fan_of
 from paint3d.mesh.sheets import FORMS, Sheet, is_sheet, parse_sheet
 from paint3d.view.preview import Preview
 
@@ -57,8 +57,8 @@ class NewDialog(FormDialog):
         for form in FORMS:
             self.sheets.add(form, f"{say_object(form)}\n{_format_size(_usual(form))}")
         for name in BUILT_IN_OBJECTS:
-            width, depth, height = 0.1 * np.ptp(read_mesh(name).mesh.vertices, axis=0)
-            size = f"{width:.3g} × {height or depth:.3g} cm"  # a sheet that lies has no height
+            width, depth, height = np.ptp(read_mesh(name).mesh.vertices, axis=0)
+            size = say_sides(width, height or depth)  # a sheet that lies has no height
             self.objects.add(name, f"{say_object(name)}\n{size}")
         self.objects.add("", say("A mesh file…"))
         lists = QtWidgets.QVBoxLayout()
@@ -265,12 +265,15 @@ def _usual(form: str) -> Sheet:
 
 
 def _format_size(sheet: Sheet) -> str:
-    """A sheet's size in words."""
-    width, height = 0.1 * sheet.width_mm, 0.1 * sheet.height_mm
+    """A sheet's size in words; that of a folding fan is how much paper it takes."""
+    width, height = sheet.size
     if sheet.usual.shape == "disc":
-        return f"ø {width:.3g} cm"
+        return f"ø {say_length(width)}"
+    if sheet.usual.shape == "sector":
+        fan = fan_of(sheet)
+        height = 2.0 * (fan.outer + fan.apex)
     pair = "2 × " if sheet.usual.panels == 2 else ""
-    return f"{pair}{width:.3g} × {height:.3g} cm"
+    return f"{pair}{say_sides(width, height)}"
 
 
 def _sheet_picture(sheet: Sheet, size: int, material: str) -> QtGui.QPixmap:
