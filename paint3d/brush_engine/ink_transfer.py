@@ -231,7 +231,7 @@ _FED_MM = 1.0  # way on which it puts back all but 1 / e of what has run from un
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
 _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
 # speed of a hand at which h is that, the power it falls with, and the least speed that counts
-_EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.35, 4.0
+_EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.25, 4.0
 _LEAST_COVERED = 1.0 / 16.0  # of a vertex's area: what ink lies on counts as no less
 _LEAST_WIDTH = 1e-6  # mm, of a tuft whose liquid is looked for
 _NOTHING = 1e-6  # share of a film
@@ -518,7 +518,8 @@ def _lay_first_film(coats, unit, before, after, found, n, field, ink, scratch):
             )  # fmt: skip
         else:
             begun[:n] = 0.0
-        fed = -np.expm1(-ink_way(before, after) / _FED_MM) if ink.transfer[0].pickup <= 0.0 else 0.0
+        alike = ink.transfer[0].pickup <= 0.0 and ink.reservoirs.shape[0] == 1
+        fed = -np.expm1(-ink_way(before, after) / _FED_MM) if alike else 0.0
         _add_short(
             n, film, fed, found.cover, found.take, found.covered, found.coats, begun, lacks
         )  # fmt: skip

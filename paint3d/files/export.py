@@ -323,7 +323,15 @@ def _finish(painting: Painting) -> Finish:
 def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
     from paint3d.files.formats.html import write_html
 
-    write_html(path, *painting[:4], title=painting.title, edges=painting.edges, note=options.note)
+    gloss = gloss_of(painting)
+    write_html(
+        path,
+        *painting[:4],
+        title=painting.title,
+        edges=painting.edges,
+        paper=0.0 if gloss is None else gloss.paper,
+        note=options.note,
+    )
 
 
 def gloss_of(painting: Painting, gloss: Gloss | None = None) -> Gloss | None:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
+from paint3d.view.paper import Paper
 
 __all__ = [
     "LEAST",
@@ -96,7 +97,8 @@ vec3 unpacked(float number) {  // of two codes the last two
 }
 """
 _VERTEX = """
-  bareLight = light_of(unpacked(bare));
+  bareCodes = unpacked(bare);
+  bareLight = light_of(bareCodes);
   inkLight = light_of(scalarColor.rgb) - bareLight;
   sharesShown = unpacked(shares).yz;
 """
@@ -110,12 +112,13 @@ vec3 sharpened(vec3 bare, vec3 ink, vec2 shares, float wide) {
   return mix(vec3(mean), light, min(mean / 0.03, 1.0));
 }
 """
+_TOOTH = 0.8  # shares that an edge is moved by where grain doubles what is seen of ink; by eye
 _FRAGMENT = f"""
   painted = vertexColorVSOutput.xyz;
   float wide = {_WIDE:.1f} * length(vec2(dFdx(sharesShown.x), dFdy(sharesShown.x)));
   bool isEdge = sharesShown.x > 0.002 && sharesShown.x < 0.998 && wide < 1.0;
   if (isEdge) {{
-    vec3 light = sharpened(bareLight, inkLight, sharesShown, wide);
+    vec3 light = sharpened(bareLight, inkLight, sharesShown + vec2(TOOTH, 0.0), wide);
     painted = mix(codes_of(min(light, 1.0)), painted, smoothstep(0.5, 1.0, wide));
   }}
 """
@@ -124,15 +127,27 @@ _FRAGMENT = f"""
 class EdgeShaders(NamedTuple):
     """GLSL that puts the sharpened colour of a place into `painted`: declarations and code.
 
-    Vertices have the attributes `bare` and `shares`: those of `Edges`, `packed`. Shares of paint
-    and paper add in linear light, so interpolation of it takes the place of interpolated codes at
-    edges alone.
+    `bareCodes` are those of the place without any paint. Vertices have the attributes `bare` and
+    `shares`: those of `Edges`, `packed`. Shares of paint and paper add in linear light, so
+    interpolation of it takes the place of interpolated codes at edges alone.
     """
 
     vertex_declared: str
     vertex: str
     declared: str
     fragment: str
+
+    def fragment_on(self, paper: Paper | None) -> str:
+        """Return the code where `paper` is shown: its ink has grain, and edges have its teeth.
+
+        They are finer than the vertices; coarser ones are painted (`mesh.kernels.paper`).
+        """
+        if paper is None:
+            return self.fragment.replace("TOOTH", "0.0")
+        return f"""  float moreInk = {paper.more_ink};
+{self.fragment.replace("TOOTH", f"{_TOOTH:.2f} * moreInk")}
+  painted = in_grain(painted, bareCodes, moreInk);
+"""
 
     @classmethod
     def between(cls, light_of: str, codes_of: str) -> EdgeShaders:
@@ -147,7 +162,7 @@ class EdgeShaders(NamedTuple):
         """
         light = f"vec3 light_of(vec3 codes) {{ return {light_of}; }}\n"
         codes = f"vec3 codes_of(vec3 light) {{ return {codes_of}; }}\n"
-        passed = "vec3 bareLight, inkLight; {0} vec2 sharesShown;\n"
+        passed = "vec3 bareCodes, bareLight, inkLight; {0} vec2 sharesShown;\n"
         return cls(
             "in float bare, shares;\nout " + passed.format("out") + _UNPACKED + light,
             _VERTEX,
@@ -163,8 +178,13 @@ SRGB_CODES = (
 """GLSL expressions of sRGB."""
 
 
-def draw_edges(actor: Any, mesh: Any, edges: Edges, shaders: EdgeShaders) -> None:
-    """Have an actor of a mesh with a mapper of its own draw the edges of paint sharp."""
+def draw_edges(
+    actor: Any, mesh: Any, edges: Edges, shaders: EdgeShaders, paper: Paper | None = None
+) -> None:
+    """Have an actor of a mesh with a mapper of its own draw the edges of paint sharp.
+
+    `paper` is what it shows (`show_paper`).
+    """
     mapper, shader = actor.GetMapper(), actor.GetShaderProperty()
     points = 0  # VTK's FIELD_ASSOCIATION_POINTS
     for name in ("bare", "shares"):
@@ -174,7 +194,9 @@ def draw_edges(actor: Any, mesh: Any, edges: Edges, shaders: EdgeShaders) -> Non
     for mark, text in ((declare, shaders.vertex_declared), (assign, shaders.vertex)):
         shader.AddVertexShaderReplacement(mark, True, f"{mark}\n{text}", False)
     shader.AddFragmentShaderReplacement(declare, True, f"{declare}\n{shaders.declared}", False)
-    shader.AddFragmentShaderReplacement(colour, True, f"{shaders.fragment}\n{colour}", False)
+    shader.AddFragmentShaderReplacement(
+        colour, True, f"{shaders.fragment_on(paper)}\n{colour}", False
+    )
     shader.AddFragmentShaderReplacement("vertexColorVSOutput.rgb", False, "painted", True)
 
 

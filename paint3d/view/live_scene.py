@@ -29,7 +29,7 @@ from paint3d.view.live_layers import Box, Enlarger, KeptPicture, LastPicture, Ta
 from paint3d.view.live_light import SHOULDER, BakedLight
 from paint3d.view.live_object import PatchUpload
 from paint3d.view.live_patches import turned_away
-from paint3d.view.paper import OF_CODES, Paper
+from paint3d.view.paper import Paper
 from paint3d.view.studio import Gloss
 from paint3d.view.vtk_parts import DrawnMesh, camera_light, quiet_vtk
 
@@ -267,7 +267,7 @@ class LiveScene:
     def set_gloss(self, gloss: Gloss) -> None:
         """Set the gloss of the object's material."""
         self._gloss = gloss
-        self._paper = Paper(quick=self.is_software) if gloss.paper > 0.0 else None
+        self._paper = Paper(gloss.paper, quick=self.is_software) if gloss.paper > 0.0 else None
         for drawn in (*self._patches.values(), *self._coarse):
             _shine(drawn.actor.GetProperty(), gloss)
 
@@ -847,7 +847,7 @@ def _set_shaders(
     vertex, placed, fragment = [declare], [assign], [declare]
     seen = ["relief()"] if gloss.grain > 0.0 else []
     if paper is not None:
-        seen.append(f"paper(surfacePlace, {OF_CODES * gloss.paper:.3f})")
+        seen.append(paper.light(codes=True))
     shine = _SHINE.replace("RELIEF *", " ".join(f"{factor} *" for factor in seen))
     for name, value in _LOBES.items():
         shine = shine.replace(name, f"{value:.3f}")
@@ -855,7 +855,7 @@ def _set_shaders(
         vertex += [_EDGES.vertex_declared]
         placed += [_EDGES.vertex]
         fragment += [_EDGES.declared]
-    found = _EDGES.fragment if sharp else "  vec3 painted = vertexColorVSOutput.rgb;"
+    found = _EDGES.fragment_on(paper) if sharp else "  vec3 painted = vertexColorVSOutput.rgb;"
     shader.AddFragmentShaderReplacement("//VTK::Light::Impl", True, found + shine, False)
     if seen:
         drawn.keep_places()

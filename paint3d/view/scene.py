@@ -24,7 +24,7 @@ from paint3d.view.edges import (
     own_mapper,
     set_edges,
 )
-from paint3d.view.paper import OF_CODES, show_paper
+from paint3d.view.paper import Paper, show_paper
 from paint3d.view.studio import LIGHTS, Gloss, Studio, linear_to_srgb, make_panorama, srgb_to_linear
 
 __all__ = [
@@ -246,10 +246,11 @@ def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> Any:
         shader = actor.GetShaderProperty()
         shader.AddFragmentShaderReplacement("vec3(baseF0Uniform)", False, _FILM_MIRRORS, True)
     own_mapper(actor, mesh, "light")
+    paper = Paper(gloss.paper) if gloss.paper > 0.0 else None
     if scene.edges is not None:
-        draw_edges(actor, mesh, scene.edges, _LIT_EDGES)
-    if gloss.paper > 0.0:
-        show_paper(actor, mesh, scene.places, gloss.paper)
+        draw_edges(actor, mesh, scene.edges, _LIT_EDGES, paper)
+    if paper is not None:
+        show_paper(actor, mesh, scene.places, paper, codes=False)
     return mesh
 
 
@@ -476,10 +477,11 @@ class FlatDrawing:
                 mesh.point_data["srgb"] = srgb
                 actor = plotter.add_mesh(mesh, scalars="srgb", rgb=True, lighting=False)
                 own_mapper(actor, mesh, "srgb")
+                paper = Paper(self._paper) if self._paper > 0.0 else None
                 if edges is not None:
-                    draw_edges(actor, mesh, edges, _FLAT_EDGES)
-                if self._paper > 0.0:
-                    show_paper(actor, mesh, vertices, OF_CODES * self._paper)
+                    draw_edges(actor, mesh, edges, _FLAT_EDGES, paper)
+                if paper is not None:
+                    show_paper(actor, mesh, vertices, paper, codes=True)
             else:
                 self._mesh.points[:] = seen
                 self._mesh.GetPoints().Modified()

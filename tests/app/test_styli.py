@@ -46,7 +46,7 @@ SHEET = ((-105.0, -74.0), (105.0, -74.0), (105.0, 74.0), (-105.0, 74.0))
 STAND_INS = [OpenHapticsStandIn, Inverse3StandIn]
 
 
-@pytest.fixture(params=STAND_INS)
+@pytest.fixture
 def stylus(request, tmp_path, monkeypatch):
     monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
     stylus = request.param(tmp_path)
@@ -102,6 +102,7 @@ def is_pushed_back(stylus, x: float, y: float, z: float) -> bool:
     return bool(stylus.force()[2] > 0.02)
 
 
+@pytest.mark.parametrize("stylus", STAND_INS, indirect=True)
 def test_it_paints_under_its_place_and_is_felt_as_the_brush_in_the_hand(window, stylus) -> None:
     places = paint_a_line(window, stylus)
     assert abs(np.median(places[:, 1])) < 1.0

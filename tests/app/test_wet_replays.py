@@ -53,6 +53,7 @@ class Wall:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, window) -> None:
         monkeypatch.setattr(window.canvas, "_clock", EventClock())
+        monkeypatch.setattr(window.canvas, "_pen_touched_ns", None)  # a mouse were its stray event
         self.ms = 10_000_000
         names = {name: getattr(time, name) for name in ("monotonic", "thread_time", "sleep")}
         clock = SimpleNamespace(
@@ -106,6 +107,8 @@ def test_wet_ink_does_not_depend_on_how_events_are_handed_over(window, monkeypat
             first = surface
         same_vertices(first, surface)
         assert surface.flow.water == first.flow.water, (how, pace)
+    # its ink is at hand for what is opened next, which would have a column of it
+    open_for(window, {**lines().header, "material": "xuan", "wet": True}, 2.4)
 
 
 # -- the recording that the window saves -------------------------------------------------------

@@ -342,13 +342,14 @@ def test_the_flanks_hold_rather_more_on_a_glaze_and_rather_less_on_paper_that_dr
     assert 0.7 < flank["xuan"] < 1.1  # bundles bring more and less
 
 
-def test_wet_ink_is_even_along_a_stroke_however_often_it_is_followed():
+@pytest.mark.parametrize(("ink", "n", "level"), [("thick", 120, 0.9), ("heavy", 300, 0.95)])
+def test_wet_ink_is_even_along_a_stroke_however_often_it_is_followed(ink, n, level):
     """Where the tuft's front stood at such a moment there was a pale ring across the stroke."""
     surface = PaintedSurface(sheet(flat, (16.0, 7.0), 3.0), 0.2, "xuan")
-    along = np.linspace(-12.0, 12.0, 120)
+    along = np.linspace(-12.0, 12.0, n)
     points = np.column_stack([along, 0.0 * along, 0.0 * along])
-    painter = Painter(surface, "full", "thick")
-    motion = poses(points, UP, (1.0, 0.0, 0.0), np.full(120, 0.35), tilt=UPRIGHT)
+    painter = Painter(surface, "full", ink)
+    motion = poses(points, UP, (1.0, 0.0, 0.0), np.full(n, 0.35), tilt=UPRIGHT)
     painter.replay(motion, wet=True)
     x, y = surface.paint_mesh.vertices[:, :2].T
     coats = surface.ink.amounts[: surface.n_vertices].sum(axis=1)
@@ -356,8 +357,9 @@ def test_wet_ink_is_even_along_a_stroke_however_often_it_is_followed():
     for line in np.unique(y[np.abs(y) < 1.5]):
         row = np.flatnonzero((y == line) & (np.abs(x) < 7.0))
         row = coats[row[np.argsort(x[row])]]
-        paler.append(row < 0.9 * median_filter(row, 9))
-    assert np.concatenate(paler).mean() < 0.004  # .007 where what ran ahead lay beside what came
+        paler.append(row < level * median_filter(row, 9))
+    # .007 where what ran ahead lay beside what came; .017 of thin ink that ran under the tuft
+    assert np.concatenate(paler).mean() < 0.004
 
 
 def test_a_stroke_over_the_halo_of_another_has_no_pale_seam():

@@ -16,10 +16,13 @@ import pytest
 import trimesh
 from PIL import Image
 
+from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError
 from paint3d.files.export import export
 from paint3d.files.export_options import ExportOptions
+from paint3d.files.load import load_mesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.surface.painted_surface import PaintedSurface
 
 PROGRAM = next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
@@ -223,6 +226,28 @@ def test_every_painted_colour_is_on_the_screen_within_one_code(browser, tmp_path
     for dx, dy in ((0, 0), (-5, 3), (4, -6)):
         seen = picture[y[None, :] + dy, x[:, None] + dx].reshape(-1, 3)
         assert np.abs(seen - colours).max() <= 1
+
+
+def test_a_sheet_shows_its_paper_and_ink_its_grain(browser, tmp_path):
+    surface = PaintedSurface(load_mesh("sheet:30x30"), 0.4, material="xuan")
+    surface.refine_all()
+    surface.column_of(load_pigment("pine soot"))
+    right = surface.paint_mesh.vertices[:, 0] > 0.0
+    n = surface.n_vertices
+    surface.ink.coverage[:n], surface.ink.amounts[:n, 0] = right, 0.15 * right
+    surface.touch(np.arange(n, dtype=np.int32))
+    export(surface, tmp_path / "sheet.html")
+    shown = {}
+    for paper in ("", "paper=0"):
+        open_without_words(browser, tmp_path / "sheet.html", paper)
+        picture = browser.picture()[120:360].astype(float)
+        shown[paper] = picture[:, 340:480, 1], picture[:, 160:300, 1]
+    (ink, bare), (plain_ink, plain_bare) = shown.values()
+    assert plain_ink.std() < 0.3
+    assert plain_bare.std() < 0.3
+    assert 0.3 < bare.std() < 4.0
+    assert 6.0 < ink.std() < 18.0
+    assert abs(ink.mean() - plain_ink.mean()) < 5.0
 
 
 def test_the_page_asks_for_nothing_and_complains_of_nothing(browser, ball):

@@ -342,8 +342,8 @@ class Drawn(NamedTuple):
 
 @cache
 def brush_on_paper() -> tuple[Painter, Scratch]:
-    """A dragged brush over a sheet."""
-    surface = PaintedSurface(sheet(flat, (60.0, 40.0), 4.0), 2.0, "porcelain")
+    """A dragged brush over a sheet of what `TUFT` is rated on."""
+    surface = PaintedSurface(sheet(flat, (60.0, 40.0), 4.0), 2.0, "xuan")
     return Painter(surface, "full", azimuth="dragged"), make_scratch(surface.paint_mesh, 0)
 
 
@@ -478,7 +478,7 @@ def test_planned_footprints_lie_as_the_laws_lay_them(bend, side):
     inner = np.flatnonzero(planned.descent > 1.0)
     turned = np.arctan2(lies[:, 1], lies[:, 0]) - planned.azimuth[inner]
     length = planned.share[inner] * table.length_at(planned.level[inner])
-    assert planned.share[inner].min() < 0.9
+    assert planned.share[inner].min() < 0.99  # some are held
     assert np.abs(np.sin(turned)).max() < 0.005
     assert np.linalg.norm(lies, axis=1) == pytest.approx(length, abs=0.02)
 

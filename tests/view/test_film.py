@@ -137,7 +137,7 @@ def test_a_film_ends_with_the_finished_painting_which_stays(tmp_path, monkeypatc
 @needs_opengl
 @pytest.mark.usefixtures("lit_by_few")
 def test_wet_ink_shines_in_a_film_as_in_a_picture(tmp_path) -> None:
-    surface = PaintedSurface(sheet(flat, (40.0, 20.0), 4.0), 1.0, "sized xuan")
+    surface = PaintedSurface(sheet(flat, (40.0, 20.0), 4.0), 0.5, "sized xuan")
     shot = Shot("above", SIZE)
     painter = Painter(surface, "slender", "cinnabar")
     with Growth(surface, 0.5) as growth:
@@ -149,7 +149,7 @@ def test_wet_ink_shines_in_a_film_as_in_a_picture(tmp_path) -> None:
         surface.dry()
         growth.end(1.0)
         dry = growth_pictures(growth, shot)
-    still = [picture, taken(surface, shot, tmp_path)]  # triangles of one colour joined
+    still = [picture, taken(surface, shot, tmp_path)]  # whose edges are sharp
     unlike = np.array([[np.abs(a - b).mean() for b in still] for a in (wet[-1], dry[-1])])
     assert unlike[0, 0] < 0.3 * unlike[0, 1]
     assert unlike[1, 1] < 0.3 * unlike[1, 0]

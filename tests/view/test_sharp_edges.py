@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
+from scipy.ndimage import median_filter
 
 import paint3d
 from paint3d.colour.pigments import load_pigment
@@ -18,6 +19,7 @@ from paint3d.view.edges import Edges, edge_shares, packed
 from paint3d.view.live_edges import LiveEdges
 from paint3d.view.live_object import LiveObject
 from paint3d.view.live_scene import LIGHT, LiveScene
+from paint3d.view.paper import Paper
 from paint3d.view.scene import Frame, draw_flat
 from paint3d.view.studio import Gloss
 from tests.support import surface_cases
@@ -135,12 +137,62 @@ def test_paper_is_seen_where_edges_are_sharp(surface) -> None:
     edges = edges_of(surface)
     pictures = flat(surface, 0.3, 0.0, 15.0, edges, 1.0), live(surface, 0.3, 0.0, 15.0, "xuan")
     for picture in pictures:
-        _, widths = measured(picture)
+        _, widths = measured(median_filter(picture, (9, 1)))  # without single pits
         assert np.quantile(widths, 0.9) < 4.0  # fibres beside it
         assert 0.5 < picture[:, SIZE[0] // 2 + 20 :].std() < 4.0
         assert np.median(picture[:, : SIZE[0] // 2 - 20]) < 0.3 * np.median(picture[:, -20:])
     bare = flat(surface, 0.3, 0.0, 15.0, edges)[:, SIZE[0] // 2 + 20 :]
     assert bare.std() < 0.1
+
+
+def test_ink_has_grain_on_paper_and_nowhere_else(surface) -> None:
+    """Greys most, black little; with `--light none`, which draws no paper, and on glaze none."""
+    levels = {}
+    for coats in (0.0, 0.05, 0.15, 2.0):
+        paint_band(surface, 0.3, 0.0, 100.0)
+        surface.ink.amounts[:] *= 0.5 * coats
+        surface.ink.coverage[:] *= coats > 0.0
+        surface.touch(np.arange(surface.n_vertices, dtype=np.int32))
+        surface.refresh()
+        edges, inked = edges_of(surface), (slice(None), slice(SIZE[0] // 4, SIZE[0] // 2 - 10))
+        plain, grained = (flat(surface, 0.3, -2.0, 15.0, edges, p)[inked] for p in (0.0, 1.0))
+        window = live(surface, 0.3, -2.0, 15.0, "xuan")[inked]
+        assert plain.std() < 0.3
+        assert live(surface, 0.3, -2.0, 15.0)[inked].std() < 0.5
+        assert abs(grained.mean() - plain.mean()) < 3.0
+        levels[coats] = grained.std(), window.std()
+    for bare, pale, grey, black in zip(*levels.values(), strict=True):
+        assert bare < 2.5
+        assert black < 2.5
+        assert 5.0 < pale < 12.0
+        assert 9.0 < grey < 16.0
+
+
+def test_bare_paper_is_the_same_to_the_code_where_ink_has_grain(surface, monkeypatch) -> None:
+    paint_band(surface, 0.3, 0.0, 100.0)
+    bare = np.s_[:, SIZE[0] // 2 + 10 :]
+    edges = edges_of(surface)
+    seen = [
+        picture[bare]
+        for more_ink in (Paper.more_ink, property(lambda _: "0.0"))
+        for _ in [monkeypatch.setattr(Paper, "more_ink", more_ink)]
+        for picture in (
+            flat(surface, 0.3, 0.0, 15.0, edges, 1.0),
+            live(surface, 0.3, 0.0, 15.0, "xuan"),
+        )
+    ]
+    np.testing.assert_array_equal(seen[:2], seen[2:])
+
+
+def test_edges_have_teeth_of_the_paper_that_are_finer_than_vertices(surface) -> None:
+    """Without any the edge of this band is straight."""
+    paint_band(surface, 0.3, 0.0, 100.0)
+    edges = edges_of(surface)
+    for paper, least, most in ((0.0, 0.0, 0.4), (1.0, 0.6, 2.0)):
+        picture = flat(surface, 0.3, 0.0, 15.0, edges, paper)
+        ends = (picture < 0.5 * np.median(picture[:, -20:])).sum(axis=1)
+        teeth = ends - median_filter(ends, 41)
+        assert least <= teeth.std() < most
 
 
 def test_from_afar_and_inside_all_is_as_interpolated(surface) -> None:

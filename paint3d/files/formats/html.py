@@ -10,12 +10,14 @@ import re
 import zlib
 from importlib.resources import files
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.core.arrays import AnyArray
 from paint3d.view.edges import Edges
+from paint3d.view.paper import RECIPE, SHADER
 
 __all__ = ["write_html"]
 
@@ -42,6 +44,7 @@ def write_html(
     *,
     title: str = "painting",
     edges: Edges | None = None,
+    paper: float = 0.0,
     note: str = "",
 ) -> None:
     """Write a viewer with the object, seen first from its painted side.
@@ -59,6 +62,8 @@ def write_html(
     title : str
     edges : Edges, optional
         Those of the paint (V vertices), shown sharp; by default colours are interpolated there.
+    paper : float
+        As in `Gloss`.
     note : str
         What is said below it.
 
@@ -69,7 +74,7 @@ def write_html(
     """
     low, high = (limit.astype(np.float64) for limit in (vertices.min(axis=0), vertices.max(axis=0)))
     azimuth, elevation = _first_view(vertices, faces, normals, srgb)
-    about = {
+    about: dict[str, Any] = {
         "vertices": len(vertices),
         "indices": int(faces.size),
         "low": low.tolist(),
@@ -77,6 +82,8 @@ def write_html(
         "azimuth": azimuth,
         "elevation": elevation,
     }
+    if paper > 0.0:
+        about["paper"] = {"amount": paper, "recipe": RECIPE, "shader": SHADER}
     if edges is None:
         edges = Edges(srgb, np.full((len(srgb), 2), 255, np.uint8))
     rows = _interleaved(vertices, normals, srgb, edges, low, high)
@@ -87,6 +94,7 @@ def write_html(
         "about": json.dumps(about),
         "mesh": base64.b64encode(zlib.compress(data, COMPRESSION)).decode("ascii"),
         "style": _resource("viewer.css"),
+        "paper": _resource("paper.js").replace("export ", "") if paper > 0.0 else "",
         "script": _resource("viewer.js"),
     }
     page = MARK.sub(lambda mark: parts[mark[1]], _resource("viewer.html"))

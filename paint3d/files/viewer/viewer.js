@@ -1,7 +1,8 @@
 "use strict";
 // One mesh, seen from a turntable camera. Colours are interpolated and shown as sRGB codes, so that
 // without light every pixel inside the object is the colour painted there; but where paint ends
-// between vertices its edge is drawn sharp, as paint3d/view/edges.py says.
+// between vertices its edge is drawn sharp, as paint3d/view/edges.py says, and a sheet shows its paper
+// (paper.js, which follows where there is one) unless the address ends in #paper=0.
 (() => {
   const FIELD_OF_VIEW = 24 * Math.PI / 180; // of the shorter side
   // uint16 x y z, uint8 shares (where half, paint ends; painted), int8 nx ny nz 0, uint8 r g b 0,
@@ -18,18 +19,20 @@
   const VERTEX = `#version 300 es
     in vec3 place; in vec3 normal; in vec4 colour; in vec4 bare; in vec2 shares;
     uniform mat4 clip_from_mesh; uniform vec3 low, span;
-    out vec3 facing, plain, bare_light, ink_light; out vec2 covered;
+    out vec3 facing, plain, bare_code, bare_light, ink_light, at; out vec2 covered;
     ${LIGHT_OF}
     void main() {
-      facing = normal; plain = colour.rgb; covered = shares;
+      facing = normal; plain = colour.rgb; bare_code = bare.rgb; covered = shares;
       bare_light = light_of(bare.rgb); ink_light = light_of(plain) - bare_light;
-      gl_Position = clip_from_mesh * vec4(low + span * place, 1.0);
+      at = low + span * place;
+      gl_Position = clip_from_mesh * vec4(at, 1.0);
     }`;
-  const FRAGMENT = `#version 300 es
+  const FRAGMENT = (paper) => `#version 300 es
     precision highp float;
-    in vec3 facing, plain, bare_light, ink_light; in vec2 covered;
-    uniform vec3 key, sky; uniform float lit;
+    in vec3 facing, plain, bare_code, bare_light, ink_light, at; in vec2 covered;
+    uniform vec3 key, sky; uniform float lit, felted;
     out vec4 shown;
+    ${paper}
     ${LIGHT_OF}
     vec3 codes_of(vec3 light) {
       return mix(light * 12.92, 1.055 * pow(light, vec3(1.0 / 2.4)) - 0.055,
@@ -45,6 +48,11 @@
         light = mix(vec3(mean), light, min(mean / 0.03, 1.0));
         painted = mix(codes_of(light), plain, smoothstep(0.5, 1.0, wide));
       }
+      vec2 sheet = felted * paper(at);
+      if (felted > 0.0) {
+        painted = in_grain(painted, bare_code, sheet.y);
+        painted = codes_of(clamp(light_of(painted) * (1.0 + sheet.x), 0.0, 1.0));
+      }
       if (lit == 0.0) { shown = vec4(painted, 1.0); return; }
       vec3 n = normalize(facing);
       if (!gl_FrontFacing) n = -n;
@@ -53,6 +61,10 @@
       shown = vec4(codes_of(clamp(light_of(painted) * light, 0.0, 1.0)), 1.0);
     }`;
 
+  const NO_PAPER = `
+    vec2 paper(vec3 place) { return vec2(0.0); }
+    vec3 in_grain(vec3 codes, vec3 bare, float more) { return codes; }`;
+
   const element = (id) => document.getElementById(id);
   const canvas = element("view");
   const about = JSON.parse(element("about").textContent);
@@ -60,7 +72,7 @@
   const middle = about.low.map((l, k) => l + span[k] / 2);
   const radius = Math.hypot(...span) / 2 || 1;
   const camera = {};
-  let gl, program, places, data, waiting = false;
+  let gl, program, places, data, tile, waiting = false;
 
   function say(text) {
     const message = element("message");
@@ -88,11 +100,12 @@
   function upload() {
     program = gl.createProgram();
     gl.attachShader(program, compile(gl.VERTEX_SHADER, VERTEX));
-    gl.attachShader(program, compile(gl.FRAGMENT_SHADER, FRAGMENT));
+    const { paper } = about, declared = paper ? paperShader(paper.recipe, paper.shader) : NO_PAPER;
+    gl.attachShader(program, compile(gl.FRAGMENT_SHADER, FRAGMENT(declared)));
     gl.linkProgram(program);
     gl.useProgram(program);
     places = {};
-    for (const name of ["clip_from_mesh", "low", "span", "key", "sky", "lit"])
+    for (const name of ["clip_from_mesh", "low", "span", "key", "sky", "lit", "felted"])
       places[name] = gl.getUniformLocation(program, name);
     const vertexBytes = about.vertices * BYTES_A_VERTEX;
     gl.bindBuffer(gl.ARRAY_BUFFER, gl.createBuffer());
@@ -108,8 +121,18 @@
       gl.enableVertexAttribArray(place);
       gl.vertexAttribPointer(place, size, type, true, BYTES_A_VERTEX, start);
     }
+    if (paper) lay(paper.recipe);
     gl.enable(gl.DEPTH_TEST);
     gl.clearColor(143 / 255, 139 / 255, 133 / 255, 1);
+  }
+
+  function lay(recipe) {
+    const { pixels } = recipe;
+    gl.bindTexture(gl.TEXTURE_2D, gl.createTexture());  // it repeats by itself
+    tile = tile || paperTile(recipe);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG8, pixels, pixels, 0, gl.RG, gl.UNSIGNED_BYTE, tile);
+    gl.generateMipmap(gl.TEXTURE_2D);
+    gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
   }
 
   function reset() {
@@ -123,6 +146,7 @@
       elevation: wish("elevation", about.elevation) * Math.PI / 180,
       closer: wish("zoom", 1), right: 0, up: 0,
     });
+    camera.felted = wish("paper", about.paper ? about.paper.amount : 0);
     camera.first = fitted();
     show_light(wish("light", 0) !== 0);
     keep_in_range();
@@ -200,6 +224,7 @@
     const key = back.map((z, k) => 0.62 * z - 0.45 * right[k] + 0.64 * up[k]);
     gl.uniform3fv(places.key, key.map((x) => x / Math.hypot(...key)));
     gl.uniform3fv(places.sky, up);
+    gl.uniform1f(places.felted, camera.felted);
     gl.uniform1f(places.lit, camera.light ? 1 : 0);
     gl.drawElements(gl.TRIANGLES, about.indices, gl.UNSIGNED_INT, 0);
   }

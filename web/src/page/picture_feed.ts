@@ -11,6 +11,7 @@ export interface PictureChange {
   first: number; // of the vertices that came
   axes: Float32Array[]; // of these: places and normals, by `AXES`
   openness: Uint8Array; // of these: how much of the sky each sees
+  bare: Uint8Array; // of these: their codes without paint
   low: number; // of the vertices whose colours come
   codes: Uint8Array; // of these
   faces: Int32Array | null;
@@ -52,6 +53,7 @@ export class PictureFeed {
       first,
       axes: AXES.map((name) => field[name].data.slice(first, n)),
       openness: this.#openness.slice(first, n),
+      bare: surface.bareCodes(first, n),
       low: Math.min(low, n),
       codes: high > low ? codes.data.slice(3 * low, 3 * high) : new Uint8Array(),
       faces: isRefined ? mesh.leafFaces().slice() : null,
@@ -73,6 +75,6 @@ export class PictureFeed {
 }
 
 /** The buffers of a change, to be handed over rather than copied. */
-export function buffersOf({ axes, openness, codes, faces }: PictureChange): ArrayBuffer[] {
-  return [...axes, openness, codes, ...(faces === null ? [] : [faces])].map(({ buffer }) => buffer as ArrayBuffer);
+export function buffersOf({ axes, openness, bare, codes, faces }: PictureChange): ArrayBuffer[] {
+  return [...axes, openness, bare, codes, ...(faces === null ? [] : [faces])].map(({ buffer }) => buffer as ArrayBuffer);
 }

@@ -3,7 +3,9 @@
 import type { Vector } from "../core/quaternion";
 import type { Camera } from "./camera";
 import type { Guides } from "./copybook";
-import { PAPER, paperTile, TILE_PIXELS } from "./paper";
+import { paperShader, paperTile } from "../../../paint3d/files/viewer/paper.js";
+import PAPER_SHADER from "../../../paint3d/view/paper.glsl?raw";
+import PAPER from "../../../paint3d/view/paper.json";
 import { AXES, type PictureChange } from "./picture_feed";
 
 // The sky is white above, greyer at the horizon, and the table below throws a little light back. A
@@ -24,26 +26,29 @@ vec3 decoded(vec3 c) {
   return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
 }`;
 
+let paperPixels: Uint8Array | null = null; // drawn once
+
 const VERTEX = `#version 300 es
 in float px; in float py; in float pz; in float nx; in float ny; in float nz;
-in vec3 colour; in float openness;
+in vec3 colour; in vec3 unpainted; in float openness;
 uniform mat4 view;
-out vec3 place; out vec3 normal; out vec3 code; out float open;
+out vec3 place; out vec3 normal; out vec3 code; out vec3 bare; out float open;
 void main() {
-  place = vec3(px, py, pz); normal = vec3(nx, ny, nz); code = colour; open = openness;
+  place = vec3(px, py, pz); normal = vec3(nx, ny, nz); code = colour; bare = unpainted; open = openness;
   gl_Position = view * vec4(place, 1.0);
 }`;
 
 const FRAGMENT = `#version 300 es
 precision highp float;
-in vec3 place; in vec3 normal; in vec3 code; in float open;
+in vec3 place; in vec3 normal; in vec3 code; in vec3 bare; in float open;
 uniform vec3 eye; uniform float roughness; uniform float flatness; uniform float felted;
 out vec4 shown;
-${LIGHT}${PAPER}
+${LIGHT}${paperShader(PAPER, PAPER_SHADER)}
 void main() {
   vec3 n = normalize(normal), v = normalize(eye - place);
   if (dot(n, v) < 0.0 && !gl_FrontFacing) n = -n;
-  vec3 paint = decoded(code) * paper(place, felted);
+  vec2 sheet = felted * paper(place);
+  vec3 paint = decoded(in_grain(code, bare, sheet.y)) * (1.0 + sheet.x);
   float seen = open / (1.0 - 0.72 * (1.0 - open));  // light that white walls throw back comes again
   float soft = max(0.0, dot(n, LAMP)) * smoothstep(0.1, 0.9, open);
   vec3 round = paint * (0.86 * seen * (0.80 + 0.20 * n.z) + 0.24 * soft);
@@ -221,7 +226,7 @@ export class Stage {
   }
 
   /** Take up what has changed. */
-  follow({ capacity, first, axes, openness, low, codes, faces }: PictureChange): void {
+  follow({ capacity, first, axes, openness, bare, low, codes, faces }: PictureChange): void {
     const gl = this.#gl;
     if (first === 0) this.#allocate(capacity);
     const write = (name: string, at: number, data: ArrayBufferView): void => {
@@ -231,6 +236,7 @@ export class Stage {
     };
     for (const [k, name] of AXES.entries()) write(name, 4 * first, axes[k]);
     write("openness", first, openness);
+    write("unpainted", 3 * first, bare);
     write("colour", 3 * low, codes);
     if (faces === null) return;
     gl.bindVertexArray(this.#array);
@@ -257,6 +263,7 @@ export class Stage {
     };
     for (const name of AXES) attribute(name, 1, gl.FLOAT, 4);
     attribute("colour", 3, gl.UNSIGNED_BYTE, 1);
+    attribute("unpainted", 3, gl.UNSIGNED_BYTE, 1);
     attribute("openness", 1, gl.UNSIGNED_BYTE, 1);
     gl.bindVertexArray(null);
     this.#capacity = capacity;
@@ -294,11 +301,11 @@ export class Stage {
     const gl = this.#gl;
     const isPaper = this.#paper > 0.0;
     if (this.#tile !== null && (this.#tile.isPaper || !isPaper)) return this.#tile.texture;
-    const [pixels, size] = isPaper ? [paperTile(), TILE_PIXELS] : [Uint8Array.of(128), 1];
+    const [pixels, size] = isPaper ? [(paperPixels ??= paperTile(PAPER)), PAPER.pixels] : [Uint8Array.of(128, 128), 1];
     const texture = this.#tile?.texture ?? gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, texture); // it repeats by itself
     gl.pixelStorei(gl.UNPACK_ALIGNMENT, 1);
-    gl.texImage2D(gl.TEXTURE_2D, 0, gl.R8, size, size, 0, gl.RED, gl.UNSIGNED_BYTE, pixels);
+    gl.texImage2D(gl.TEXTURE_2D, 0, gl.RG8, size, size, 0, gl.RG, gl.UNSIGNED_BYTE, pixels);
     gl.generateMipmap(gl.TEXTURE_2D);
     gl.texParameteri(gl.TEXTURE_2D, gl.TEXTURE_MIN_FILTER, gl.LINEAR_MIPMAP_LINEAR);
     this.#tile = { texture, isPaper };

@@ -43,6 +43,11 @@ export class MeshColours {
     this.#known = nVertices;
   }
 
+  /** Codes of vertices `first` to n. */
+  codes(first: number, n: number): Uint8Array {
+    return Uint8Array.from(this.#encoded.data.subarray(3 * first, 3 * n), (c) => roundHalfToEven(Math.fround(c * 255.0)));
+  }
+
   /** What a vertex reflects: bands, of the spectra (bands, 3) of red, green and blue, in steps of 1/65535. */
   steps(id: number, primaries: Float32Array): Float64Array {
     const f = Math.fround;

@@ -147,6 +147,12 @@ export class PaintedSurface {
     return this.#own?.steps(id, this.studio.colourTables.primaries) ?? this.#bareSteps;
   }
 
+  /** Codes of vertices `first` to n, as of the last `refresh`, without any paint. */
+  bareCodes(first: number, n: number): Uint8Array {
+    const { bare } = this.ground;
+    return this.#own?.codes(first, n) ?? Uint8Array.from({ length: 3 * (n - first) }, (_, k) => bare[k % 3]);
+  }
+
   /** What the material reflects, as measured: 31 bands. */
   get reflectance(): Float32Array {
     return this.ground.backing.reflectance;
