@@ -591,8 +591,7 @@ class Page {
         button("score", say("score"), () => void this.#saveScore()),
         button("glb", "GLB", () => void this.#saveObject("glb")),
         button("ply", "PLY", () => void this.#saveObject("ply")),
-        note(say(this.#keeper === null ? "notKept" : this.#isHosted ? "keptByHost" : "kept")),
-        note(say("opens"))),
+        note(say(this.#keeper === null ? "notKept" : this.#isHosted ? "keptByHost" : "kept"))),
       section(say("goOn"),
         ...(isFirst ? [] : [replay]),
         button("load", say("load"), () =>
