@@ -55,14 +55,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="OBJECT",
         action="append",
         help="an object to paint on, by name or file; given several times, there is a choice "
-        "(default: bowl and square)",
+        "(default: scroll, square, fan and bowl)",
     )
     build.add_argument(
         "--resolution",
         metavar="MM",
         type=parse_resolution_mm,
-        default=0.4,
-        help="longest edge where there is paint, mm (default: 0.4)",
+        help="longest edge where there is paint, mm (default: what suits a sheet, else 0.4)",
     )
     build.add_argument(
         "--brush", metavar="NAME", action="append", help="a preset; given several times, a choice"
@@ -82,7 +81,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     build.add_argument(
         "--copybook",
         metavar="TEXT",
-        help="characters that the page shows how to write, by the first brush (default: 永)",
+        action="append",
+        help="a text to write after, as large as fills each sheet; given several times, a choice "
+        "(default: two poems, a saying and 永)",
     )
     build.add_argument(
         "--seals",
@@ -126,7 +127,7 @@ def _build(options: argparse.Namespace) -> None:
     from paint3d.page.folder import PageObject
 
     objects: list[PageObject] = [
-        PageObject(name, options.resolution)
+        PageObject(name, options.resolution or folder.resolution_for(name))
         for name in options.on or [one.name for one in folder.OBJECTS]
     ]
     with ProgressBar("building", enabled=not options.quiet) as progress:
@@ -137,7 +138,8 @@ def _build(options: argparse.Namespace) -> None:
             options.ink or folder.INKS,
             progress,
             materials=options.material or folder.MATERIALS,
-            copybook=folder.COPYBOOK if options.copybook is None else options.copybook,
+            copybook=[text for text in options.copybook or folder.known_texts() if text.strip()],
+            signed=True,
             seals=options.seals,
             page=folder.BUILT,
         )

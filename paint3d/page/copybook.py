@@ -1,72 +1,165 @@
-"""Characters of the page's copybook: what they look like, and how a planned hand writes them.
+"""Texts of the page's copybook: what they look like, where they lie, and how hands write them.
 
-A file for the page (`paint3d.page.bundle`). Words: ``{"brush", "em_mm", "licence", "characters":
-{character: {"rings": [..], "plan": [..]}}}``; rings are counts of points of `outlines`, plans those
-of rows of `samples`, stroke by stroke, both in the order of the characters. Outlines are (N, 2)
-int16 glyph units from the middle of the em square; samples (M, 9) float32 are s since the stroke's
-first, the place of the brush's root over flat paper, mm from the square's middle, its orientation,
-and its pressure. What is planned holds for that brush and em alone.
+Files for the page (`paint3d.page.bundle`). One is of outlines; words: ``{"licence", "characters":
+{character: [..]}}``, of each the counts of points of its rings in `outlines`, (N, 2) int16 glyph
+units from the middle of the em square. One is of each planned hand; words: ``{"steps",
+"characters": {character: [..]}}``, of each the counts of samples of its strokes in `samples`, (9,
+M) int16 in `steps` (9,): s since the stroke's first, the position of the brush's root over flat
+paper, mm from the square's middle, its orientation, and its pressure. A hand is planned at one
+size, for one brush; at another size within `SCALED` its ways are scaled, and its strokes stay as
+wide as they are.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import Any
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from functools import partial
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from paint3d.brush.presets import load_brush
-from paint3d.calligraphy.glyph_sources import GlyphSource, load_glyphs, open_glyphs
+from paint3d.brush.presets import SMALLEST_PRESET_EM, brush_for, load_brush
+from paint3d.calligraphy.composition import compose, sign_beside
+from paint3d.calligraphy.fonts.fallback import with_fallback
+from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
-from paint3d.calligraphy.layout import Layout
+from paint3d.calligraphy.layout import Layout, layout_text
 from paint3d.calligraphy.writing import WritingSettings, write_text
 from paint3d.core.arrays import AnyArray
+from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.sheet_mesh import sheet_of
+from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.page.tables import Table
 
-__all__ = ["KNOWN", "copybook_table"]
+__all__ = [
+    "EM_MM",
+    "KNOWN",
+    "SCALED",
+    "SIGNED",
+    "LaidOut",
+    "PlannedHand",
+    "glyphs_for",
+    "hand_table",
+    "hands_for",
+    "lay_out",
+    "outline_table",
+]
 
 KNOWN = (
     "永和九年歲在癸丑暮春之初會于山陰蘭亭修禊事也一二三四五六七八十甲乙丙丁戊己庚辛壬"
-    "子寅卯辰巳午未申酉戌亥月日夏秋冬人天地水火木金石竹梅花心書道"
+    "子寅卯辰巳午未申酉戌亥年書月日夏秋冬人天地水火木金石竹梅花心道"
 )
 """Characters that are there without being asked for, but not planned."""
+SIGNED = "甲乙丙丁戊己庚辛壬癸子丑寅卯辰巳午未申酉戌亥年書"
+"""What years of the sixty are signed by."""
+EM_MM = 40.0
+"""Of texts on what is no sheet."""
+SCALED = 1.27
+"""Times that a planned hand writes larger or smaller than it was planned, at most."""
 
+_SIGNATURE = 4  # characters
+_SIGNATURE_MM = 14.0  # beside texts on what is no sheet
 _EVERY = 4  # of a planned hand's 250 samples a second
 _STRAY = 1.5  # glyph units that an outline's chord may
 _AROUND = 1.5  # ems of paper that a plan is made on
+_SECONDS, _EM_PARTS, _TURNS, _PRESSURES = 2.0**-10, 2.0**-13, 2.0**-14, 2.0**-14  # steps
 
 
-def copybook_table(text: str, brush: str, em_mm: float) -> Table:
-    """The characters of a text, planned, and those of `KNOWN`.
+class LaidOut(NamedTuple):
+    """How a text stands on an object, and its signature beside it: `LaidText`'s words of both."""
+
+    text: dict[str, Any]
+    signature: dict[str, Any]
+    seal_mm: float
+
+
+class PlannedHand(NamedTuple):
+    """A brush, the size at which it is planned, mm, and the characters that it writes."""
+
+    brush: str
+    em_mm: float
+    characters: str
+
+
+def glyphs_for(text: str) -> GlyphSource:
+    """A source of all characters of a text and, of those that there are, of `KNOWN`.
 
     Raises
     ------
-    InputError
-        If a character of the text is not known, or too fine for the brush.
+    GlyphError, InputError
+        If a character is not known, to fonts of the system neither.
     """
-    source = open_glyphs(None)
-    planned = list(dict.fromkeys("".join(text.split())))
-    load_glyphs(source, "".join(planned))  # those that are not known are said before any is planned
-    every = dict.fromkeys([*planned, *(one for one in KNOWN if source.has(one))])
-    glyphs = load_glyphs(source, "".join(every))
-    rings = {text: list(_rings(glyph)) for text, glyph in glyphs.items()}
-    plans = {one: _plan(one, source, brush, em_mm) if one in planned else [] for one in every}
-    words: dict[str, Any] = {
-        "brush": brush,
-        "em_mm": em_mm,
+    return with_fallback(open_glyphs(None), "".join(text.split()))
+
+
+def lay_out(mesh: TriangleMesh, text: str) -> LaidOut:
+    """A text as it fills a sheet, with its signature; both at usual sizes where it cannot."""
+    sheet = sheet_of(mesh)
+    try:
+        found = None if sheet is None else compose(sheet, text, signature=_SIGNATURE)
+    except InputError:  # too long for it, which the page says
+        found = None
+    if found is None:
+        text_words = {"text": text, "em_mm": EM_MM}
+        return LaidOut(text_words, {"em_mm": _SIGNATURE_MM}, _SIGNATURE_MM)
+    lines, em_mm = "\n".join(found.lines), round(found.em_mm, 1)
+    gap, between = round(found.gap, 3), round(found.between, 3)
+    at = found.point
+    point = None if at is None else (round(at[0], 1), round(at[1], 1), round(at[2], 1))
+    layout = Layout(point=point, gap=gap, between=between)
+    squares = [placed.square for placed in layout_text(ClosestPoints(mesh), lines, em_mm, layout)]
+    signed = sign_beside(mesh, squares, _SIGNATURE)
+    middle = np.mean([square.chart.frame.origin for square in squares], axis=0)
+    return LaidOut(
+        {"text": lines, "em_mm": em_mm, "point": list(point or middle.round(1).tolist())}
+        | {"gap": gap, "between": between},
+        {"em_mm": round(signed.em_mm, 1), "point": signed.point.round(1).tolist()},
+        round(signed.seal_mm),
+    )
+
+
+def hands_for(
+    wanted: Iterable[tuple[float, str]], brushes: Sequence[str]
+) -> tuple[PlannedHand, ...]:
+    """Hands that write texts of some sizes, mm: one for all sizes that it can be scaled to.
+
+    Smaller ones than brushes are made for have none. Each has the brush
+    whose thickness is nearest to what suits its size.
+    """
+    groups: list[list[tuple[float, str]]] = []
+    for em_mm, text in sorted(one for one in wanted if one[0] >= SMALLEST_PRESET_EM):
+        if not groups or em_mm > 0.995 * SCALED**2 * groups[-1][0][0]:
+            groups.append([])
+        groups[-1].append((em_mm, text))
+    return tuple(
+        PlannedHand(
+            _nearest(em_mm, brushes),
+            em_mm,
+            "".join(dict.fromkeys("".join(text for _, text in group).replace("\n", ""))),
+        )
+        for group in groups
+        for em_mm in [round(math.sqrt(group[0][0] * group[-1][0]), 1)]
+    )
+
+
+def _nearest(em_mm: float, brushes: Sequence[str]) -> str:
+    wanted = brush_for(em_mm).root_diameter_mm
+    return min(brushes, key=lambda name: abs(math.log(load_brush(name).root_diameter_mm / wanted)))
+
+
+def outline_table(text: str, source: GlyphSource) -> Table:
+    """The outlines of a text's characters and of those of `KNOWN`."""
+    every = dict.fromkeys([*"".join(text.split()), *filter(source.has, KNOWN)])
+    rings = {one: list(_rings(source.load(one))) for one in every}
+    words = {
         "licence": source.licence,
-        "characters": {
-            one: {"rings": list(map(len, rings[one])), "plan": list(map(len, plans[one]))}
-            for one in every
-        },
+        "characters": {one: list(map(len, rings[one])) for one in every},
     }
     outlines = [ring for one in every for ring in rings[one]]
-    samples = [stroke for one in every for stroke in plans[one]]
-    return words, {
-        "outlines": np.concatenate([np.empty((0, 2), np.int16), *outlines]),
-        "samples": np.concatenate([np.empty((0, 9), np.float32), *samples]),
-    }
+    return words, {"outlines": np.concatenate([np.empty((0, 2), np.int16), *outlines])}
 
 
 def _rings(glyph: Glyph) -> Iterable[AnyArray]:
@@ -76,6 +169,26 @@ def _rings(glyph: Glyph) -> Iterable[AnyArray]:
         for ring in (stroke.outline, *stroke.holes):
             line = shapely.LinearRing(ring - np.array(glyph.middle)).simplify(_STRAY)
             yield np.rint(shapely.get_coordinates(line)[:-1]).astype(np.int16)
+
+
+def hand_table(hand: PlannedHand, source: GlyphSource) -> Table:
+    """How a hand writes its characters.
+
+    Raises
+    ------
+    InputError
+        If a character is too fine for the brush.
+    """
+    steps = [_SECONDS, *[hand.em_mm * _EM_PARTS] * 3, *[_TURNS] * 4, _PRESSURES]
+    plan = partial(_plan, source=source, brush=hand.brush, em_mm=hand.em_mm)
+    plans: Mapping[str, list[AnyArray]] = {one: plan(one) for one in hand.characters}
+    samples = [stroke for one in hand.characters for stroke in plans[one]]
+    counted = np.rint(np.concatenate(samples) / np.array(steps))
+    words = {
+        "steps": steps,
+        "characters": {one: list(map(len, plans[one])) for one in hand.characters},
+    }
+    return words, {"samples": np.ascontiguousarray(counted.T.astype(np.int16))}
 
 
 def _plan(text: str, source: GlyphSource, brush: str, em_mm: float) -> list[AnyArray]:
@@ -92,5 +205,5 @@ def _plan(text: str, source: GlyphSource, brush: str, em_mm: float) -> list[AnyA
         kept = np.unique([*range(first, last, _EVERY), last - 1])
         seconds = (written.time_ns[kept] - written.time_ns[first]) * 1e-9
         rows = [seconds, written.position[kept], written.orientation[kept], written.pressure[kept]]
-        strokes.append(np.column_stack(rows).astype(np.float32))
+        strokes.append(np.column_stack(rows))
     return strokes

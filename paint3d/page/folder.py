@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import math
 import re
 import shutil
@@ -20,18 +21,27 @@ from paint3d.app.window.wording import (
     say_object,
 )
 from paint3d.brush.presets import load_brush
-from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.colour.inks import load_ink
 from paint3d.colour.materials import load_material
 from paint3d.colour.pigments import WATER, Pigment, load_pigment
 from paint3d.core.atomic import write_atomically
 from paint3d.core.kernel_library import FORMAT, INDEX, is_unchanged
-from paint3d.errors import ExportError, InputError
+from paint3d.errors import ExportError, InputError, Paint3DError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.sheet_mesh import sheet_of
+from paint3d.mesh.sheets import is_sheet, parse_sheet
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.page.bundle import write_bundle
-from paint3d.page.copybook import copybook_table
+from paint3d.page.copybook import (
+    EM_MM,
+    SCALED,
+    SIGNED,
+    glyphs_for,
+    hand_table,
+    hands_for,
+    lay_out,
+    outline_table,
+)
 from paint3d.page.seals import seal_table
 from paint3d.page.tables import (
     Table,
@@ -51,8 +61,11 @@ __all__ = [
     "build_page",
     "check_built",
     "check_grains",
+    "known_texts",
+    "resolution_for",
 ]
 
+_LOG = logging.getLogger(__name__)
 KERNELS: Path = Path(__file__).with_name("machine_code")
 """Where ``python -m tools.kernels --for wasm32`` puts the kernels."""
 BUILT: Path = Path(__file__).with_name("built")
@@ -67,8 +80,16 @@ class PageObject(NamedTuple):
     mesh: TriangleMesh | None = None
 
 
-OBJECTS = (PageObject("bowl", 0.4), PageObject("square", 0.4))
-BRUSHES: tuple[str, ...] = ("zhongkai", "full", "xiaokai", "zhongbaiyun", "gongbi", "feibai")
+BRUSHES: tuple[str, ...] = (
+    "zhongkai",
+    "full",
+    "xiaokai",
+    "zhongbaiyun",
+    "dabaiyun",
+    "tidou",
+    "gongbi",
+    "feibai",
+)
 INKS: tuple[str, ...] = (
     "pine soot",
     "heavy",
@@ -80,11 +101,39 @@ INKS: tuple[str, ...] = (
     "carmine",
 )
 MATERIALS = ("porcelain", "bisque", "xuan", "sized xuan", "silk")
-COPYBOOK = "永"
-COPYBOOK_EM_MM = 40.0
+COPYBOOK = (
+    "牀前明月光\n疑是地上霜\n舉頭望明月\n低頭思故鄉",
+    "行到水窮處\n坐看雲起時",
+    "寧靜致遠",
+    "永",
+)
+"""Poems of Li Bai (靜夜思) and Wang Wei, a saying of Zhuge Liang, and what beginners write."""
 _LITERALS = re.compile(r"""(?=(["'`])((?:(?!\1)[^\\\n]|\\.){4,300})\1)""")
 """What may be a text in a script: all between two quotation marks that are alike."""
 _CHINESE_OF_TONES = {"heavy": "重墨", "light": "淡墨", "clear": "清墨"}
+
+
+def resolution_for(name: str) -> float:
+    """The resolution that suits a sheet of a name, mm; 0.4 on other objects."""
+    return parse_sheet(name).detail_mm if is_sheet(name) else 0.4
+
+
+OBJECTS = tuple(
+    PageObject(name, resolution_for(name)) for name in ("scroll", "square", "fan", "bowl")
+)
+
+
+def known_texts() -> list[str]:
+    """Those of `COPYBOOK` whose characters are known, to fonts of the system at least."""
+    known = []
+    for text in COPYBOOK:
+        try:
+            glyphs_for(text)
+        except Paint3DError as cause:
+            _LOG.warning("%.5s is left out: %s", text, cause)
+        else:
+            known.append(text)
+    return known
 
 
 def build_page(
@@ -95,7 +144,8 @@ def build_page(
     progress: Callable[[float], None] = lambda share: None,
     *,
     materials: Sequence[str] = (),
-    copybook: str = "",
+    copybook: Sequence[str] = (),
+    signed: bool = False,
     seals: str = "",
     page: Path | None = BUILT,
     kernels: Path = KERNELS,
@@ -116,8 +166,11 @@ def build_page(
         Called with the share that is done.
     materials : sequence of str
         Beside those that suit the objects.
-    copybook : str
-        Text whose characters are planned for the first brush; without one there is no copybook.
+    copybook : sequence of str
+        Texts, laid out for each sheet and planned for the brushes that suit their sizes; without
+        any there is no copybook.
+    signed : bool
+        Whether signatures by years are planned, too.
     seals : str
         Characters that seals can be cut from, or `seals.EVERY`; without any there is no seal.
     page, kernels : Path
@@ -133,7 +186,7 @@ def build_page(
         If an object, a brush, an ink or a character is not known, or is one that a page cannot
         have.
     """
-    load_glyphs(open_glyphs(None), "".join(copybook.split()))  # or says what is unknown
+    glyphs = glyphs_for("".join(copybook))  # or says what is unknown
     index = check_built(page, kernels)
     pigments, stirred = _pigments_of(inks)
     loaded = [(one, load_mesh(one.name) if one.mesh is None else one.mesh) for one in objects]
@@ -165,9 +218,23 @@ def build_page(
         contents["materials"].append(words)
         files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
     if copybook:
-        contents["copybook"] = {"file": "copybook.bin.gz", "text": copybook}
-        characters = copybook_table(copybook, brushes[0], COPYBOOK_EM_MM)
-        files["copybook.bin.gz"] = lambda: characters
+        sizes: list[tuple[float, str]] = []
+        for words, (_, mesh) in zip(contents["objects"], loaded, strict=True):
+            laid = [lay_out(mesh, text) for text in copybook]
+            words["texts"] = [one._asdict() for one in laid]
+            sizes += [(one.text["em_mm"], one.text["text"]) for one in laid]
+            sizes += [(one.signature["em_mm"], SIGNED) for one in laid if signed]
+        contents["copybook"] = {
+            "file": "copybook.bin.gz",
+            "texts": list(copybook),
+            "scaled": SCALED,
+            "hands": [],
+        }
+        files["copybook.bin.gz"] = lambda: outline_table("".join(copybook), glyphs)
+        for hand in hands_for([*sizes, *[(EM_MM, text) for text in copybook]], brushes):
+            file = f"hands/{_plain(hand.brush)}-{hand.em_mm:g}.bin.gz"
+            contents["copybook"]["hands"].append({**hand._asdict(), "file": file})
+            files[file] = lambda hand=hand: hand_table(hand, glyphs)  # type: ignore[misc]
     if seals:
         contents["seals"] = {"file": "seals.bin.gz"}
         lines = seal_table(seals)

@@ -41,7 +41,7 @@ from paint3d.mesh.kernels.paper import MOST_ASIDE_MM
 from paint3d.mesh.kernels.refine import MOST_AROUND_EDGE
 from paint3d.mesh.likeness import digest_of
 from paint3d.mesh.refined_mesh import PaintMesh
-from paint3d.mesh.sheet_mesh import sheet_of
+from paint3d.mesh.sheet_mesh import sheet_of, writing_areas
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.page.shape_guess import differences
 from paint3d.painter.bristle_state import HairTuft
@@ -222,7 +222,7 @@ def object_table(mesh: TriangleMesh, resolution: float) -> Table:
     """An object to be painted on, as a surface of it is before there is paint."""
     paint_mesh = PaintMesh.build(mesh, resolution)
     field, n = paint_mesh.arrays, paint_mesh.n_base_vertices
-    sheet = sheet_of(mesh)
+    sheet, apex = sheet_of(mesh), writing_areas(mesh)[0].apex
     roots = len(paint_mesh.base_faces) if paint_mesh.refines else 0
     words = {
         "name": mesh.name,
@@ -231,6 +231,7 @@ def object_table(mesh: TriangleMesh, resolution: float) -> Table:
         "refines": paint_mesh.refines,
         "n_base_vertices": n,
         "usual_material": "porcelain" if sheet is None else sheet.usual.material,
+        "apex": None if apex is None else apex.tolist(),
         "most_around_edge": MOST_AROUND_EDGE,
         "most_aside_mm": MOST_ASIDE_MM,
         "leaf_sizes": {"contact": LEAF_SIZE, "closest": FACES_PER_LEAF},

@@ -55,7 +55,13 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     objects = [PageObject("square", 0.8), PageObject("bowl", 0.8)]
     inks = ["pine soot", "cinnabar"]
     build_page(
-        out, objects, ["zhongkai", "xiaokai"], inks, copybook="一", seals="永和九年書", page=page
+        out,
+        objects,
+        ["zhongkai", "xiaokai"],
+        inks,
+        copybook=["一", "一一\n一一一"],
+        seals="永和九年書",
+        page=page,
     )
     return out
 
@@ -338,13 +344,26 @@ def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
     browser.wait_for("paint3d.isKept")
     browser.evaluate(f"{at('addText')}.click()")
     settled(browser)
+    change = "(e => {{ e.value = {}; e.dispatchEvent(new Event('change')); }})({})".format
+    if place == SHEET:  # which the text fills
+        laid = json.loads(browser.evaluate("paint3d.score()").splitlines()[-1])["text"]
+        assert laid["em_mm"] == 261.2
+        assert not browser.evaluate(f"Boolean({at('fit')})")
+        browser.evaluate(change(300, at("em")))
+        settled(browser)
+        browser.evaluate(f"{at('fit')}.click()")
+        settled(browser)
+        fitting = json.loads(browser.evaluate("paint3d.score()").splitlines()[-1])["text"]["em_mm"]
+        assert fitting == pytest.approx(2 * (170 - 30.6), abs=0.02 * fitting)
+        assert not browser.evaluate(f"Boolean({at('fit')})")
+        browser.evaluate(change(40, at("em")))
+        settled(browser)
     browser.evaluate(f"{at('place')}.click()")  # away from the bowl's wall, which is near the hand
     browser.stroke([(430.0, 430.0, 0.5), (430.0, 430.0, 0.5)])
     browser.evaluate(f"{at('sign')}.click()")
     settled(browser)
     browser.evaluate(f"{at('place')}.click()")
     browser.stroke([(330.0, 500.0, 0.5), (330.0, 500.0, 0.5)])
-    change = "(e => {{ e.value = {}; e.dispatchEvent(new Event('change')); }})({})".format
     browser.evaluate(change("'年永\\n和'", at("text")))
     browser.evaluate(change(30, at("turn")))
     browser.evaluate(change(12, at("em")))
@@ -377,7 +396,7 @@ def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
     hashes = hashes_of(document.surface)
     assert found == {name: hashes[name] for name in ("vertices", "srgb", "amounts")}
     assert [(one.text, one.em_mm, one.turn) for one in document.texts] == [
-        ("一", 40.0, 0.0), ("年永\n和", 10.0, 30.0)
+        ("一", 40.0, 0.0), ("年永\n和", 14.0, 30.0)
     ]  # fmt: skip
     ghosts = [ghost for laid in document.texts for ghost in Copybook.of(mesh, laid).ghosts]
     ours = np.concatenate([line for ghost in ghosts for line in ghost.outlines])
@@ -493,6 +512,7 @@ def test_a_seal_is_pressed_where_one_taps_as_on_the_desktop(
         assert said in browser.evaluate(f"{note}.textContent")
         assert browser.evaluate(f"{at('press-seal')}.disabled")
     browser.evaluate(change("'永和'", "input", at("seal-text")))
+    browser.evaluate(change(16, "input", at("seal-size")))  # what a signature wished before
     browser.evaluate(change(20, "input", at("seal-turn")))
     browser.stroke(wave(330.0, 330.0, 160.0))
     bare, tap = settled(browser), [(410.0, 345.0, 0.5)] * 2

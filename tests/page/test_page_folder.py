@@ -200,9 +200,15 @@ def test_the_command_writes_what_a_page_needs(seals, tmp_path: Path, monkeypatch
     (page / "index.html").write_text("<p>")
     monkeypatch.setattr("paint3d.page.folder.BUILT", page)
     out = tmp_path / "studio"
-    words = ["--on", "sheet:40x30", "--resolution", "1", "--brush", "xiaokai", "--ink", "light"]
+    words = ["--on", "sheet:40x30", "--resolution", "1", "--brush", "xiaokai", "--ink", "light",
+             "--copybook", "一"]  # fmt: skip
     assert main(["page", "build", str(out), *words, *seals]) == 0
     assert f"wrote {out}, " in capsys.readouterr().out
     assert (out / "index.html").read_text() == "<p>"
+    contents = json.loads((out / "contents.json").read_text("utf-8"))
+    hands, (sheet,) = contents["copybook"]["hands"], contents["objects"]
+    em_mm = sheet["texts"][0]["text"]["em_mm"]
+    assert [(hand["em_mm"], hand["characters"]) for hand in hands] == [(em_mm, "一"), (40.0, "一")]
+    assert all((out / hand["file"]).is_file() for hand in hands)
     assert (out / "kernels.wasm").read_bytes()[:4] == b"\0asm"
     shutil.rmtree(out)

@@ -9,6 +9,7 @@ import type { Material, Pigment } from "./colour/materials";
 import type { Backing, ColourTables } from "./colour/vertex_colours";
 import type { Preparing } from "./mesh/base_surface";
 import { PaintMesh, readTree, type ObjectWords } from "./mesh/refined_mesh";
+import type { CopybookContents, LaidOut } from "./page/copybook";
 import type { Ink } from "./painter/painter";
 import { PaintedSurface } from "./surface/painted_surface";
 
@@ -18,11 +19,11 @@ export const SCORE = "painting.score.jsonl";
 /** What there is, by name: `contents.json`. */
 export interface Contents {
   version: string;
-  objects: { name: string; chinese: string; resolution: number; material: string; file: string }[];
+  objects: { name: string; chinese: string; resolution: number; material: string; file: string; texts?: LaidOut[] }[];
   brushes: { name: string; chinese: string; file: string }[];
   inks: { name: string; chinese: string; parts: Record<string, number>; srgb: number[] }[];
   materials: { name: string; chinese: string; file: string }[];
-  copybook?: { file: string; text: string };
+  copybook?: CopybookContents;
   seals?: { file: string }; // lines that they are cut from
   hosted?: boolean; // what shows the page in a frame keeps the piece
   painting?: { title: string; id: string }; // that a page of one file shows first: `SCORE`

@@ -30,6 +30,7 @@ export interface ObjectWords {
   refines: boolean;
   n_base_vertices: number;
   usual_material: string;
+  apex?: readonly [number, number, number] | null; // where the ribs of a folding fan meet, mm
   most_around_edge: number;
   most_aside_mm: number;
   leaf_sizes: { contact: number; closest: number };

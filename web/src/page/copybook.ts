@@ -5,8 +5,8 @@
 
 import { Bundle } from "../core/bundle";
 import { fromAxes, type Quaternion, type Vector } from "../core/quaternion";
-import { plus, times } from "../core/vectors";
-import { Chart, frameAt, type Frame } from "../mesh/chart";
+import { lengthOf, minus, plus, times, turned } from "../core/vectors";
+import { Chart, frameAt, frameUp, type Frame } from "../mesh/chart";
 import type { ClosestPoints } from "../mesh/closest_points";
 import { AT_REST, RecordingError, type DeviceSample } from "../recording/recording";
 import type { Fetch } from "../studio";
@@ -37,8 +37,11 @@ const UNITS = 1024.0; // of the em
 const NODES = 16.0; // of the chart, per em
 const MARGIN = 0.25; // ems around the text that a brush's root may stray
 const DENSE = 1.0 / 32.0; // ems between two points of a line
+const SMALLEST_MM = 4; // characters
+const [WITHIN, NOT_CUT] = [0.875, 0.95]; // parts of a square's half, and of what is between there and its corner
+const SIGNED_MM = 14; // a signature, and its seal
+const CORNERS = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]] as const; // prettier-ignore
 const LIFT_MM = 0.08; // above the surface, so that a line is seen
-const ROW = 9; // numbers of a planned sample
 
 type Line = readonly (readonly [number, number])[]; // em squares' halves from their middle
 const FRAME: Line[] = [[[-1, -1], [1, -1], [1, 1], [-1, 1], [-1, -1]]]; // prettier-ignore
@@ -52,17 +55,32 @@ const LINES: Record<Exclude<Grid, "columns">, Line[]> = {
   jiu: [...FRAME, ...THIRDS], none: [],
 }; // prettier-ignore
 
-interface Words {
-  brush: string;
-  em_mm: number;
-  licence: string;
-  characters: Record<string, { rings: number[]; plan: number[] }>;
+/** How a text stands on an object, and its signature beside it. */
+export interface LaidOut {
+  text: Partial<LaidText> & { text: string; em_mm: number };
+  signature: Partial<LaidText> & { em_mm: number };
+  seal_mm: number;
 }
 
-/** A character's outlines, from the middle of an em of 1, and its planned strokes. */
-interface Character {
-  rings: Line[];
-  plan: Float32Array[]; // `ROW` numbers a sample
+/** The same on what no text is laid out for. */
+export function usualLaidOut(text: string): LaidOut {
+  return { text: { text, em_mm: USUAL.em_mm }, signature: { em_mm: SIGNED_MM }, seal_mm: SIGNED_MM };
+}
+
+/** A hand that is planned for some characters, at one size. */
+export interface PlannedHand {
+  file: string;
+  brush: string;
+  em_mm: number;
+  characters: string;
+}
+
+/** What `contents.json` says of texts. */
+export interface CopybookContents {
+  file: string;
+  texts: string[];
+  scaled: number; // times that a hand writes larger or smaller than planned, at most
+  hands: PlannedHand[];
 }
 
 /** Lines on the object, to be written after: their points in pairs, mm. */
@@ -106,19 +124,84 @@ interface Cell {
   y: number;
 }
 
-export class Copybook {
-  readonly #characters = new Map<string, Character>();
+/** The characters of a text, each once. */
+function charactersIn(text: string): string[] {
+  return [...new Set(text.replace(/\s/g, ""))];
+}
 
-  private constructor(private readonly words: Words) {}
+/** The planned hand that writes a text as it lies, at the nearest size; null where none does. */
+export function handFor({ hands, scaled }: CopybookContents, { text, em_mm }: LaidText): PlannedHand | null {
+  const away = (hand: PlannedHand): number => Math.abs(Math.log(em_mm / hand.em_mm));
+  const [nearest] = handsOf(hands, charactersIn(text)).sort((a, b) => away(a) - away(b));
+  return nearest !== undefined && away(nearest) <= Math.log(scaled) ? nearest : null;
+}
+
+/** Hands that are planned for all of some characters. */
+function handsOf(hands: readonly PlannedHand[], characters: readonly string[]): PlannedHand[] {
+  return hands.filter((hand) => characters.every((one) => hand.characters.includes(one)));
+}
+
+/** Why no hand writes a text as it lies: characters that none is planned for, or sizes, mm, that one is planned for. */
+export function whyNoHand({ hands, scaled }: CopybookContents, { text }: LaidText): { unplanned: string[]; sizes: string } {
+  const characters = charactersIn(text);
+  const able = handsOf(hands, characters);
+  const sizes = able.map(({ em_mm }) => `${Math.ceil(em_mm / scaled)}–${Math.floor(em_mm * scaled)}`).join(", ");
+  const unplanned = characters.filter((one) => handsOf(hands, [one]).length === 0);
+  return { unplanned: able.length > 0 || unplanned.length > 0 ? unplanned : characters, sizes };
+}
+
+/** How a hand writes characters. */
+export class WritingHand {
+  readonly #strokes = new Map<string, { first: number; n: number }[]>();
+
+  private constructor(
+    private readonly samples: Int16Array,
+    private readonly steps: readonly number[],
+    private readonly emMm: number,
+  ) {}
+
+  static async read(fetch: Fetch, { file, em_mm }: PlannedHand): Promise<WritingHand> {
+    const bundle = await Bundle.read<{ steps: number[]; characters: Record<string, number[]> }>(await fetch(file), file);
+    const { steps, characters } = bundle.words;
+    const made = new WritingHand(bundle.numbers("samples", "i2"), steps, em_mm);
+    let first = 0;
+    for (const [text, counts] of Object.entries(characters))
+      made.#strokes.set(text, counts.map((n) => ({ first: (first += n) - n, n })));
+    return made;
+  }
+
+  /** Its strokes on the object, from 0 ns each. */
+  *strokes(surface: ClosestPoints, laid: LaidText, apex: Apex): Generator<DeviceSample[]> {
+    const { samples, steps } = this;
+    const rows = samples.length / steps.length;
+    const scale = laid.em_mm / this.emMm;
+    for (const { text, at } of squaresOf(surface, laid, apex))
+      for (const { first, n } of this.#strokes.get(text) ?? []) {
+        const stroke: DeviceSample[] = [];
+        for (let k = first; k < first + n; k++) {
+          const row = steps.map((step, part) => step * samples[part * rows + k]);
+          const frame = at(scale * row[1], scale * row[2]);
+          if (frame !== null) stroke.push(sampleOn(frame, row));
+        }
+        if (stroke.length > 1) yield stroke;
+      }
+  }
+}
+
+export class Copybook {
+  readonly #rings = new Map<string, Line[]>(); // from the middle of an em of 1
+
+  private constructor(readonly licence: string) {}
 
   static async read(fetch: Fetch, file: string): Promise<Copybook> {
-    const bundle = await Bundle.read<Words>(await fetch(file), file);
-    const [outlines, samples] = [bundle.numbers("outlines", "i2"), bundle.numbers("samples", "f4")];
-    const made = new Copybook(bundle.words);
-    let [point, row] = [0, 0];
-    for (const [text, { rings, plan }] of Object.entries(bundle.words.characters))
-      made.#characters.set(text, {
-        rings: rings.map((n) => {
+    const bundle = await Bundle.read<{ licence: string; characters: Record<string, number[]> }>(await fetch(file), file);
+    const outlines = bundle.numbers("outlines", "i2");
+    const made = new Copybook(bundle.words.licence);
+    let point = 0;
+    for (const [text, counts] of Object.entries(bundle.words.characters))
+      made.#rings.set(
+        text,
+        counts.map((n) => {
           const ring = Array.from({ length: n + 1 }, (_, k): [number, number] => {
             const at = 2 * (point + (k % n));
             return [outlines[at] / UNITS, outlines[at + 1] / UNITS];
@@ -126,78 +209,64 @@ export class Copybook {
           point += n;
           return ring;
         }),
-        plan: plan.map((n) => samples.subarray(ROW * row, ROW * (row += n))),
-      });
+      );
     return made;
-  }
-
-  get brush(): string {
-    return this.words.brush;
-  }
-
-  get emMm(): number {
-    return this.words.em_mm;
-  }
-
-  get licence(): string {
-    return this.words.licence;
   }
 
   /** The characters of a text that are not there. */
   missing(text: string): string[] {
-    return [...new Set(text.replace(/\s/g, ""))].filter((one) => !this.#characters.has(one));
-  }
-
-  /** Whether a hand is planned for all of a text as it lies. */
-  isPlanned(laid: LaidText): boolean {
-    const isThere = (text: string): boolean => (this.#characters.get(text)?.plan.length ?? 0) > 0;
-    return laid.em_mm === this.emMm && cellsOf(laid).every(({ text }) => isThere(text));
+    return charactersIn(text).filter((one) => !this.#rings.has(one));
   }
 
   /** The outlines of texts, and their grids. */
-  guides(surface: ClosestPoints, texts: readonly LaidText[]): Guides {
+  guides(surface: ClosestPoints, texts: readonly LaidText[], apex: Apex): Guides {
     const [outlines, grid]: number[][] = [[], []];
-    for (const laid of texts) this.#guide(surface, laid, outlines, grid);
+    for (const laid of texts) this.#guide(surface, laid, apex, outlines, grid);
     return { outlines: Float32Array.from(outlines), grid: Float32Array.from(grid) };
   }
 
-  #guide(surface: ClosestPoints, laid: LaidText, outlines: number[], grid: number[]): void {
-    const cells = cellsOf(laid);
-    const chart = chartOf(surface, laid, cells);
+  #guide(surface: ClosestPoints, laid: LaidText, apex: Apex, outlines: number[], grid: number[]): void {
     const between = laid.order === "columns" ? SIDES : ENDS;
-    for (const { text, x, y } of cells) {
+    for (const { text, at } of squaresOf(surface, laid, apex)) {
       const draw = (line: Line, size: number, into: number[]): void => {
         let before: Vector | null = null;
         for (const [u, v] of dense(line, size)) {
-          const frame = chart.at(laid.em_mm * (x + size * u), laid.em_mm * (y + size * v));
+          const frame = at(laid.em_mm * size * u, laid.em_mm * size * v);
           const now = frame && plus(frame.point, times(frame.normal, LIFT_MM));
           if (before !== null && now !== null) into.push(...before, ...now);
           before = now;
         }
       };
-      for (const ring of this.#characters.get(text)?.rings ?? []) draw(ring, 1.0, outlines);
+      for (const ring of this.#rings.get(text) ?? []) draw(ring, 1.0, outlines);
       for (const line of laid.grid === "columns" ? between : LINES[laid.grid]) draw(line, 0.5, grid);
     }
   }
+}
 
-  /** The strokes of a planned hand on the object, from 0 ns each. */
-  *strokes(surface: ClosestPoints, laid: LaidText): Generator<DeviceSample[]> {
-    const cells = cellsOf(laid);
-    const chart = chartOf(surface, laid, cells);
-    for (const { text, x, y } of cells)
-      for (const rows of this.#characters.get(text)?.plan ?? []) {
-        const stroke: DeviceSample[] = [];
-        for (let k = 0; k < rows.length; k += ROW) {
-          const frame = chart.at(laid.em_mm * x + rows[k + 1], laid.em_mm * y + rows[k + 2]);
-          if (frame !== null) stroke.push(sampleOn(frame, rows.subarray(k, k + ROW)));
-        }
-        if (stroke.length > 1) yield stroke;
+/** The largest size, mm, at which a text ends on the object where it lies; null where it does as it is, 0 where none does. */
+export function largestThatFits(surface: ClosestPoints, laid: LaidText, apex: Apex): number | null {
+  const fits = (em_mm: number): boolean => {
+    for (const { at } of squaresOf(surface, { ...laid, em_mm }, apex))
+      for (const [u, v] of CORNERS) {
+        const [corner, within] = [at(em_mm * u, em_mm * v), at(WITHIN * em_mm * u, WITHIN * em_mm * v)];
+        if (corner === null || within === null) return false;
+        const apart = (1.0 - WITHIN) * em_mm * Math.hypot(u, v);
+        if (lengthOf(minus(corner.point, within.point)) < NOT_CUT * apart) return false; // a chart ends somewhat later
       }
+    return true;
+  };
+  if (fits(laid.em_mm)) return null;
+  let [low, high] = [0, Math.ceil(laid.em_mm)];
+  while (high - low > 1) {
+    const middle = (low + high) >> 1;
+    if (middle >= SMALLEST_MM && !fits(middle)) high = middle;
+    else low = middle;
   }
+  return low < SMALLEST_MM ? 0 : low;
 }
 
 /** A sample over flat paper, over a frame in place of it. */
-function sampleOn(frame: Frame, row: Float32Array): DeviceSample {
+function sampleOn(frame: Frame, row: readonly number[]): DeviceSample {
   const [seconds, , , height, w, x, y, z, pressure] = row;
   const { ahead, up, normal } = frame;
   const onSurface = (v: Vector): Vector =>
@@ -241,11 +310,38 @@ function cellsOf({ text, order, gap, between, cells }: LaidText): Cell[] {
   );
 }
 
-function chartOf(surface: ClosestPoints, laid: LaidText, cells: Cell[]): Chart {
-  const reach = (of: (cell: Cell) => number): number =>
-    laid.em_mm * (Math.max(...cells.map((cell) => Math.abs(of(cell)))) + 0.5 + MARGIN);
-  const frame = frameAt(surface.find(laid.point), laid.turn);
-  return new Chart(surface, frame, [reach(({ x }) => x), reach(({ y }) => y)], laid.em_mm / NODES);
+/** Where the ribs of a folding fan meet, mm; null on all else. */
+export type Apex = Vector | null;
+
+/** A character's square: `at` says the frame so many mm to the right of its middle and up; null where the surface has ended. */
+interface Square {
+  text: string;
+  at(x: number, y: number): Frame | null;
+}
+
+/** The squares of a text: on what unrolls as one piece, or each on its rib of a folding fan. */
+function* squaresOf(surface: ClosestPoints, laid: LaidText, apex: Apex): Generator<Square> {
+  const { em_mm, turn } = laid;
+  const cells = cellsOf(laid);
+  const chart = (frame: Frame, x: number, y: number): Chart =>
+    new Chart(surface, frame, [x, y].map((far) => em_mm * (far + 0.5 + MARGIN)) as [number, number], em_mm / NODES);
+  const middle = surface.find(laid.point);
+  if (apex === null) {
+    const far = (of: (cell: Cell) => number): number => Math.max(...cells.map((cell) => Math.abs(of(cell))));
+    const whole = chart(frameAt(middle, turn), far(({ x }) => x), far(({ y }) => y));
+    for (const { text, x, y } of cells) yield { text, at: (u, v) => whole.at(em_mm * x + u, em_mm * y + v) };
+    return;
+  }
+  const rib = minus(middle.point, apex);
+  const radius = lengthOf(rib);
+  for (const { text, x, y } of cells) {
+    const up = times(turned(rib, middle.normal, (-em_mm * x) / radius), 1.0 / radius);
+    const wanted = plus(apex, times(up, radius + em_mm * y));
+    const found = surface.find(wanted);
+    const isThere = lengthOf(minus(found.point, wanted)) < em_mm / NODES;
+    const square = isThere ? chart(frameUp(found, turned(up, middle.normal, (turn * Math.PI) / 180.0)), 0.0, 0.0) : null;
+    yield { text, at: (u, v) => square?.at(u, v) ?? null };
+  }
 }
 
 /** Points along a line, a step apart at most. */

@@ -12,7 +12,9 @@ import { PIECE_S } from "../painter/painter";
 import { NoRoomError, NoTouchError, USUAL_PRESSING } from "../seal/print";
 import { Studio, type Contents, type Fetch } from "../studio";
 import type { Layer } from "../surface/layer_stack";
-import { Copybook, USUAL, type Guides, type LaidText } from "./copybook";
+import {
+  Copybook, handFor, largestThatFits, USUAL, WritingHand, type Apex, type Guides, type LaidText,
+} from "./copybook"; // prettier-ignore
 import { Document, type Handling, type LayerEdit } from "./document";
 import { glbOf, plyOf } from "./export";
 import { Hand, type HandSettings, type PointerInput } from "./hand";
@@ -70,6 +72,7 @@ export interface Told {
   state: State;
   score: string; // lines that came since, to be kept
   guides?: Guides;
+  fits?: readonly (number | null)[]; // with guides: of each text `largestThatFits`
   picture?: PictureChange;
   paintedToMs: number; // up to when what the pointer did is painted, by its clock
 }
@@ -128,6 +131,10 @@ export class Engine {
     };
   }
 
+  get #apex(): Apex {
+    return (this.painting.surface.object.words.apex as Vector | undefined) ?? null;
+  }
+
   get #state(): State {
     const { painting } = this;
     const { layers, keys, active } = painting.layers;
@@ -173,7 +180,8 @@ export class Engine {
     const now = performance.now();
     const told: Told = { state: this.#state, score: "", paintedToMs: this.#paintedToMs };
     if (painting.texts !== this.#guided && this.#copybook !== null) {
-      told.guides = this.#copybook.guides(painting.closest, painting.texts);
+      told.guides = this.#copybook.guides(painting.closest, painting.texts, this.#apex);
+      told.fits = painting.texts.map((laid) => largestThatFits(painting.closest, laid, this.#apex));
       this.#guided = painting.texts;
     }
     if (withPicture) {
@@ -371,13 +379,15 @@ export class Engine {
   /** Have a planned hand write a text, by its brush. */
   async write(number: number, ink: string): Promise<void> {
     const { painting, studio } = this;
-    const copybook = this.#copybook;
+    const { copybook } = studio.contents;
     const laid = painting.texts.at(number);
-    if (copybook === null || laid === undefined || this.#inStroke) return;
-    const brush = await studio.brush(copybook.brush);
+    if (copybook === undefined || laid === undefined || this.#inStroke) return;
+    const planned = handFor(copybook, laid);
+    if (planned === null) return;
+    const [hand, brush] = await Promise.all([WritingHand.read(studio.fetch, planned), studio.brush(planned.brush)]);
     if (painting.painter.brush !== brush) painting.setBrush(brush);
     this.#stops = false;
-    for (const stroke of copybook.strokes(painting.closest, laid)) {
+    for (const stroke of hand.strokes(painting.closest, laid, this.#apex)) {
       if (this.#stops) return;
       this.#dip(ink);
       painting.beginStroke();

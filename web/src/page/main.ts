@@ -12,7 +12,7 @@ import { ballAround, Camera } from "./camera";
 import { carried } from "./carried";
 import { askForFile, button, choice, element, note, numbered, save, section, slider, tick } from "./controls";
 import { Panel, type Tab } from "./panel";
-import { Copybook, type Guides, type LaidText } from "./copybook";
+import { Copybook, usualLaidOut, type Guides, type LaidText } from "./copybook";
 import { CopybookList } from "./copybook_list";
 import { SealList, type CutSeal } from "./seal_list";
 import { PASTE } from "../seal/pressing";
@@ -92,12 +92,14 @@ class Page {
   readonly #panel = new Panel(() => this.#resize());
   readonly #texts = new CopybookList({
     lay: (text) => this.#layText(text),
+    sealSize: (mm) => this.#seals.setSize(mm),
     change: (number, words) => this.#changeTexts("changeText", number, words),
     remove: (number) => this.#changeTexts("removeText", number, this.#inHand().state.texts.length),
     place: (number) => this.#whenTapped(say("place"), (event) => this.#changeTexts("moveText", number, this.#inputOf(event))),
     write: (number) => void this.#write(number),
   });
   #copybook: Copybook | null = null;
+  #fits: readonly (number | null)[] = []; // of each text the largest size, where it is too large
   readonly #seals = new SealList((seal) => this.#whenTapped(say("tapForSeal"), (event) => void this.#pressSeal(event, seal)));
   #sealLines: SealLines | null = null;
   #tapping: PointerEvent | null = null; // that is down there
@@ -488,14 +490,15 @@ class Page {
   }
 
   /** Take up what is told of the painting. */
-  #hear({ state, score, guides, picture, paintedToMs }: Told): void {
+  #hear({ state, score, guides, fits, picture, paintedToMs }: Told): void {
     const opened = this.#inHand();
     const before = opened.state;
     opened.state = state;
     this.#keeper?.append(score);
     const differs = (name: keyof State): boolean => JSON.stringify(before[name]) !== JSON.stringify(state[name]);
     if (guides !== undefined) this.#stage.guide(guides);
-    if (differs("texts")) this.#showTexts();
+    if (fits !== undefined) this.#fits = fits;
+    if (differs("texts") || fits !== undefined) this.#showTexts();
     if (differs("layers") || differs("active")) this.#showLayers();
     if (differs("amount") && !this.#amount.contains(document.activeElement)) this.#showAmount();
     if (differs("brush") || differs("dipped")) this.#showInHand();
@@ -579,7 +582,7 @@ class Page {
       tab("save", say("keep")),
       tab("more", say("more")),
     );
-    this.#panel.fill("copybook", this.#texts.element, this.#seals.element);
+    this.#panel.fill("copybook", this.#texts.element, this.#seals.element, this.#texts.source);
     this.#showSeals();
     this.#panel.fill("layers", this.#layers.element);
     this.#panel.fill("save",
@@ -588,7 +591,8 @@ class Page {
         button("score", say("score"), () => void this.#saveScore()),
         button("glb", "GLB", () => void this.#saveObject("glb")),
         button("ply", "PLY", () => void this.#saveObject("ply")),
-        note(say(this.#keeper === null ? "notKept" : this.#isHosted ? "keptByHost" : "kept"))),
+        note(say(this.#keeper === null ? "notKept" : this.#isHosted ? "keptByHost" : "kept")),
+        note(say("opens"))),
       section(say("goOn"),
         ...(isFirst ? [] : [replay]),
         button("load", say("load"), () =>
@@ -707,8 +711,11 @@ class Page {
 
   /** Show what can be done with the texts. */
   #showTexts(): void {
-    const { state } = this.#inHand();
-    if (this.#copybook !== null) this.#texts.show(this.#copybook, state.texts, this.#contents?.copybook?.text ?? "");
+    const { state, about } = this.#inHand();
+    const [copybook, contents] = [this.#copybook, this.#contents?.copybook];
+    if (copybook === null || contents === undefined) return;
+    const laidOut = about.texts ?? contents.texts.map(usualLaidOut);
+    this.#texts.show({ copybook, contents, texts: state.texts, laidOut, fits: this.#fits });
   }
 
   /** The lines that are shown to be written after. */

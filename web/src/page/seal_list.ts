@@ -18,6 +18,7 @@ export class SealList {
   #sizeMm = 16;
   #turn = 0;
   #lines: SealLines | null = null;
+  #tells = false; // whose the shapes are
 
   /** `press` is told what is to be pressed where the object is tapped next. */
   constructor(private readonly press: (seal: CutSeal) => void) {}
@@ -25,6 +26,7 @@ export class SealList {
   /** `tells`: whose the shapes are, if nothing else in the tab does. */
   show(lines: SealLines, tells: boolean): void {
     this.#lines = lines;
+    this.#tells = tells;
     const face = document.createElementNS("http://www.w3.org/2000/svg", "svg");
     face.id = "face";
     const [why, press] = [note(""), button("press-seal", say("pressSeal"), () => this.#cut(this.press))];
@@ -65,6 +67,12 @@ export class SealList {
         press, ...(tells ? [note(lines.licence)] : [])),
     ); // prettier-ignore
     show();
+  }
+
+  /** Cut the next ones at a size, mm. */
+  setSize(mm: number): void {
+    this.#sizeMm = mm;
+    if (this.#lines !== null) this.show(this.#lines, this.#tells);
   }
 
   /** Why the text cannot be cut; "" where it can, or there is none yet. */
