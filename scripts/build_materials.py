@@ -68,12 +68,14 @@ MATERIALS = [
      "proxy: red brick", 0.9, 0.0, 0.8, 0.6, 1.25),
     ("sized xuan", "熟宣", "usgs_reflectance", "Kaolinite_CM9_BECKb",
      "substitute: as xuan; alum and glue are clear", 0.85, 0.05, 0.25, 0.35, 0.85),
-    ("tinted xuan", "色宣", "usgs_reflectance", "Paper_Cotton_Bond_PAPR1_100%_ASDFRa",
-     "proxy: cotton bond paper, tinted yellow", 0.9, 0.0, 0.6, 0.45, 0.95),
+    ("tinted xuan", "色宣", "usgs_reflectance", "Kaolinite_CM9_BECKb",
+     "substitute: as xuan, dyed by so little of Yellow_ochre_GDS794_Germany_ASDFRa that it is "
+     "cream, as old paper (R^.88 of the one and R^.12 of the other)", 0.9, 0.0, 0.6, 0.45, 0.95),
     ("silk", "绢", "usgs_reflectance", "Kaolinite_KGa-1_(wxl)_BECKb",
      "substitute: of the measured whites the one nearest to the cream of undyed silk, by eye",
      0.6, 0.15, 0.3, 0.3, 0.75),
 ]  # fmt: skip
+DYES = {"tinted xuan": ("Yellow_ochre_GDS794_Germany_ASDFRa", 0.12)}  # column, and its power
 
 
 def read_column(path: Path, name: str) -> list[float]:
@@ -96,7 +98,11 @@ def main() -> None:
         usgs = "REVIGO" not in column
         source = (USGS if usgs else CHART).format(column)
         licence = "public domain (US government)" if usgs else "CC0-1.0"
-        values = read_column(options.folder / f"{table}.csv", column)
+        values = np.array(read_column(options.folder / f"{table}.csv", column))
+        if name in DYES:
+            dye, power = DYES[name]
+            dye_values = np.array(read_column(options.folder / f"{table}.csv", dye))
+            values = values ** (1.0 - power) * dye_values**power
         rows.append(
             [
                 name,
