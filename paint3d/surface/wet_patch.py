@@ -22,7 +22,7 @@ __all__ = ["FIRST_PACE", "WetPatch"]
 _KEPT = ("water", "inside", "soaked", "laid", "pigment", "fine", "loose")
 _OF_PLACES = ("written", "share")
 _OF_NODES = (
-    *_KEPT, "changed", "residual", "strength", "sieve", "catch", "entry_depth", "entry",
+    *_KEPT, "changed", "is_held", "residual", "strength", "sieve", "catch", "entry_depth", "entry",
     "dry_entry", "conductance", "place", "bare_entry_depth", "bare_conductance",
 )  # fmt: skip
 _OF_PORES = ("residual", "strength", "sieve", "catch", "bare_entry_depth", "bare_conductance")
@@ -72,7 +72,9 @@ class WetPatch:
     soaked : (N,) float32
         Fullest since it was last dry: water over `entry_depth`, 0 to 1.
     laid : (N,) float32
-        Depth that brushes have laid there since it was last dry, mm.
+        Depth of the liquid that brushes brought there since it was last dry, mm.
+    is_held : (N,) bool
+        Nodes that let no water pass for now; see `held`.
     changed : (N,) bool
         Nodes whose ink moved since it was handed back.
     owed : (B,) float32
@@ -104,7 +106,8 @@ class WetPatch:
         count = len(store.pigments)
         for name in _OF_NODES:
             setattr(self, name, np.zeros(0))
-        self.changed, self.place = np.zeros(0, bool), np.zeros(0, np.int32)
+        self.changed, self.is_held = np.zeros((2, 0), bool)
+        self.place = np.zeros(0, np.int32)
         self.inside, self.soaked, self.laid = np.zeros((3, 0), np.float32)
         self.pigment, self.fine, self.loose = np.zeros((3, 0, count))
         self._find_mobility()
@@ -210,7 +213,7 @@ class WetPatch:
     def read_surface(self, at: AnyArray) -> AnyArray:
         """Apply changes of the ink at places (N,) to water and pigment; see `find_changed`.
 
-        Returns the nodes (K,) on which a tuft lies, to judge by what has come.
+        Returns the nodes (K,) under a tuft with ink, told by how much has just come.
         """
         graph = self.graph
         now = self._store.ink.amounts[graph.vertices[at]]
@@ -245,14 +248,14 @@ class WetPatch:
             if pigment is WATER:  # it is now depth of water, no longer an amount
                 self.pigment[node, column] = 0.0
                 self.fine[node, column] = self.loose[node, column] = 0.0
-        laid = node[came > 0.0]
+        wetted = node[came > 0.0]
         covered = self._store.ink.coverage[graph.vertices[at[came > 0.0]]]
-        np.maximum.at(self.soaked, laid, covered)  # wetted by the brush
-        self.entry[laid[self.soaked[laid] >= 1.0]] = 0.0
+        np.maximum.at(self.soaked, wetted, covered)
+        self.entry[wetted[self.soaked[wetted] >= 1.0]] = 0.0
         self.changed[node] = True
         bare = node[self.pigment[node].sum(axis=1) + self.water[node] <= 0.0]
         self.water[bare] = 0.0
-        block = graph.block[laid]
+        block = graph.block[wetted]
         self.pace[block] = FIRST_PACE
         self.owed[block[np.isinf(self.owed[block])]] = 0.0
         return under_tuft
@@ -329,13 +332,13 @@ class WetPatch:
     @contextmanager
     def held(self, nodes: AnyArray) -> Iterator[None]:
         """Let no water run from or to nodes (N,) meanwhile: a tuft lies there."""
-        running = self.conductance[nodes]
-        self.conductance[nodes] = 0.0
+        self.is_held[nodes] = True
         self._weigh(nodes)
-        yield
-        as_held = self.conductance[nodes] == 0.0  # or its pores have been closed anew
-        self.conductance[nodes[as_held]] = running[as_held]
-        self._weigh(nodes)
+        try:
+            yield
+        finally:
+            self.is_held[nodes] = False
+            self._weigh(nodes)
 
     # -- growth -----------------------------------------------------------------------------
 
@@ -462,9 +465,13 @@ class WetPatch:
         self.totals[owners] = np.bincount(place, self.weights[links], len(owners))
 
     def _weigh_links(self, links: AnyArray) -> None:
-        """Multiply weights by the harmonic mean of the conductance factors at both ends."""
+        """Set weights to the graph's times the harmonic mean of the conductances at both ends.
+
+        0 where one is held.
+        """
         graph = self.graph
-        start, end = self.conductance[graph.owner[links]], self.conductance[graph.links[links]]
-        both = start * end
-        mean = np.divide(2.0 * both, start + end, out=np.zeros_like(both), where=both > 0.0)
-        self.weights[links] = graph.weights[links] * mean
+        owner, other = graph.owner[links], graph.links[links]
+        start, end = self.conductance[owner], self.conductance[other]
+        weights = graph.weights[links] * (2.0 * start * end / (start + end))
+        weights[self.is_held[owner] | self.is_held[other]] = 0.0
+        self.weights[links] = weights

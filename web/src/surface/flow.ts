@@ -88,13 +88,13 @@ export class Flow {
       patch.writeSurface();
       return false;
     }
-    const release = patch.hold(underTuft);
+    patch.hold(underTuft, true);
     const pieces = Math.max(1, Math.ceil(seconds / PIECE));
     for (let k = 0; k < pieces; k++) {
       this.#wait(seconds / pieces);
       this.#step(this.#mostUrgent(this.#due(patch.wetBlocks())));
     }
-    release();
+    patch.hold(underTuft, false);
     patch.writeSurface();
     const [owed, pace] = [patch.owed.data, patch.pace.data];
     const isLate = patch.wetBlocks().some((k) => owed[k] >= Math.max(Math.fround(LATE), Math.fround(3.0 * pace[k])));

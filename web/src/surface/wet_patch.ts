@@ -37,6 +37,7 @@ export class WetPatch {
   fine: NDArray<"f8">;
   loose: NDArray<"f8">;
   changed: NDArray<"b1">;
+  isHeld: NDArray<"b1">;
   residual: NDArray<"f8">;
   strength: NDArray<"f8">;
   sieve: NDArray<"f8">;
@@ -79,6 +80,7 @@ export class WetPatch {
     this.fine = kernels.zeros("f8", 0, count);
     this.loose = kernels.zeros("f8", 0, count);
     this.changed = kernels.zeros("b1", 0);
+    this.isHeld = kernels.zeros("b1", 0);
     this.residual = empty();
     this.strength = empty();
     this.sieve = empty();
@@ -435,18 +437,10 @@ export class WetPatch {
     }
   }
 
-  /** Let no water run from or to nodes on which a tuft lies; what lets it again. */
-  hold(nodes: Int32Array): () => void {
-    const held = this.conductance.data;
-    const running = Float64Array.from(nodes, (node) => held[node]);
-    for (const node of nodes) held[node] = 0.0;
+  /** Let no water run from or to nodes on which a tuft lies, or let it run again. */
+  hold(nodes: Int32Array, isHeld: boolean): void {
+    for (const node of nodes) this.isHeld.data[node] = Number(isHeld);
     this.#weigh(nodes);
-    return () => {
-      const conductance = this.conductance.data;
-      for (const [k, node] of nodes.entries())
-        if (conductance[node] === 0.0) conductance[node] = running[k]; // or its pores have been closed anew
-      this.#weigh(nodes);
-    };
   }
 
   // -- growth -----------------------------------------------------------------------------------
@@ -498,6 +492,7 @@ export class WetPatch {
     this.soaked = withRoom(this.soaked, n);
     this.laid = withRoom(this.laid, n);
     this.changed = withRoom(this.changed, n);
+    this.isHeld = withRoom(this.isHeld, n);
     this.place = withRoom(this.place, n);
     this.written = withRoom(this.written, graph.nPlaces);
     this.share = withRoom(this.share, graph.nPlaces);
@@ -577,12 +572,13 @@ export class WetPatch {
 
   #weighLinks(from: number, to: number): void {
     const { graph } = this;
-    const [conductance, owner, links] = [this.conductance.data, graph.owner.data, graph.links.data];
+    const [conductance, isHeld] = [this.conductance.data, this.isHeld.data];
+    const [owner, links] = [graph.owner.data, graph.links.data];
     const [bare, weights] = [graph.weights.data, this.weights.data];
     for (let k = from; k < to; k++) {
       const [start, end] = [conductance[owner[k]], conductance[links[k]]];
-      const both = start * end;
-      weights[k] = bare[k] * (both > 0.0 ? (2.0 * both) / (start + end) : 0.0);
+      const stops = isHeld[owner[k]] !== 0 || isHeld[links[k]] !== 0;
+      weights[k] = stops ? 0.0 : bare[k] * ((2.0 * start * end) / (start + end));
     }
   }
 }
