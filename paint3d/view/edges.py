@@ -3,7 +3,7 @@
 Vertices stand a resolution apart, and an edge drawn by interpolating their colours is a ramp as
 wide, with the mesh's triangles in it. But the share of a vertex's area that paint covers tells
 where between them it ends: where the interpolated share is half. A shader that knows it draws the
-edge two pixels wide at any scale, as letters are drawn from distance fields (Green, Improved
+edge some two pixels wide at any scale, as letters are drawn from distance fields (Green, Improved
 alpha-tested magnification for vector textures and special effects, 2007): docs/model.md,
 equations (18) and (19).
 """
@@ -114,11 +114,12 @@ vec3 sharpened(vec3 bare, vec3 ink, vec2 shares, float wide) {
 """
 _TOOTH = 0.8  # shares that an edge is moved by where grain doubles what is seen of ink; by eye
 _FRAGMENT = f"""
-  painted = vertexColorVSOutput.xyz;
+  painted = vertexColorVSOutput.xyz;  // as `.rgb` of it is replaced, see `draw_edges`
   float wide = {_WIDE:.1f} * length(vec2(dFdx(sharesShown.x), dFdy(sharesShown.x)));
   bool isEdge = sharesShown.x > 0.002 && sharesShown.x < 0.998 && wide < 1.0;
   if (isEdge) {{
-    vec3 light = sharpened(bareLight, inkLight, sharesShown + vec2(TOOTH, 0.0), wide);
+    vec2 met = sharesShown + vec2({_TOOTH:.2f} * moreInk, 0.0);
+    vec3 light = sharpened(bareLight, inkLight, met, wide);
     painted = mix(codes_of(min(light, 1.0)), painted, smoothstep(0.5, 1.0, wide));
   }}
 """
@@ -143,9 +144,9 @@ class EdgeShaders(NamedTuple):
         They are finer than the vertices; coarser ones are painted (`mesh.kernels.paper`).
         """
         if paper is None:
-            return self.fragment.replace("TOOTH", "0.0")
+            return f"  float moreInk = 0.0;\n{self.fragment}"
         return f"""  float moreInk = {paper.more_ink};
-{self.fragment.replace("TOOTH", f"{_TOOTH:.2f} * moreInk")}
+{self.fragment}
   painted = in_grain(painted, bareCodes, moreInk);
 """
 

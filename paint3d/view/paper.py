@@ -27,11 +27,12 @@ __all__ = ["RECIPE", "SHADER", "Paper", "show_paper"]
 RECIPE: dict[str, Any] = json.loads(Path(__file__).with_name("paper.json").read_text("utf-8"))
 """How the tile is drawn and read.
 
-`clouds`, `fibres`: the standard deviation of their linear `light`, `light_range` from 0 to 255;
-clouds fade below `smallest_mm`, and fall from so many cycles to the mm. `specks`, `short_fibres`:
-the `weight` of each in the grain, whose standard deviation is `grain`, as an exponent, and which is
-`grain_range` from 0 to 255. Of fibres: `bends` is a standard deviation, rad a `step_mm`, and `dark`
-what dark ones are where pale ones are 1. `black` is what ink that hides shows of the bare sheet.
+`clouds`, `fibres`: the standard deviation of their linear `light` at one read of the tile, of the
+two that are added, and `light_range` from 0 to 255; clouds fade below `smallest_mm`, and fall from
+so many cycles to the mm. `specks`, `short_fibres`: the `weight` of each in the grain, whose
+standard deviation is `grain`, as an exponent, and which is `grain_range` from 0 to 255. Of fibres:
+`bends` is a standard deviation, rad a `step_mm`, and `dark` what dark ones are where pale ones are
+1. `black` is what ink that hides shows of the bare sheet.
 """
 SHADER = Path(__file__).with_name("paper.glsl").read_text("utf-8")
 """GLSL that reads it; `Paper.add_to` says what it is called by."""
