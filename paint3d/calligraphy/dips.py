@@ -120,7 +120,7 @@ def remove_dips(
             buttons[start:end] &= ~DIP
         for lifted, touches, leaves in _strokes_within(recording, start, end):
             takes = float(rates[touches:leaves].sum()) / wetted
-            if used > 0.0 and used + takes > _MOST_TAKEN:
+            if lifted < touches and used > 0.0 and used + takes > _MOST_TAKEN:
                 buttons[lifted:touches] |= DIP
                 used = 0.0
             used += takes
