@@ -131,18 +131,24 @@ def hands_for(
     """
     groups: list[list[tuple[float, str]]] = []
     for em_mm, text in sorted(one for one in wanted if one[0] >= SMALLEST_PRESET_EM):
-        if not groups or em_mm > 0.995 * SCALED**2 * groups[-1][0][0]:
+        if not groups or em_mm > SCALED * _middle(groups[-1][0][0], em_mm):
             groups.append([])
         groups[-1].append((em_mm, text))
-    return tuple(
-        PlannedHand(
-            _nearest(em_mm, brushes),
-            em_mm,
-            "".join(dict.fromkeys("".join(text for _, text in group).replace("\n", ""))),
+    hands = []
+    for group in groups:
+        planned_mm = _middle(group[0][0], group[-1][0])
+        characters = "".join("".join(text for _, text in group).split())
+        hands.append(
+            PlannedHand(
+                _nearest(planned_mm, brushes), planned_mm, "".join(dict.fromkeys(characters))
+            )
         )
-        for group in groups
-        for em_mm in [round(math.sqrt(group[0][0] * group[-1][0]), 1)]
-    )
+    return tuple(hands)
+
+
+def _middle(low: float, high: float) -> float:
+    """Return the size, mm, to plan at for all between two; never too large for the smallest."""
+    return math.floor(10.0 * min(math.sqrt(low * high), SCALED * low)) / 10.0
 
 
 def _nearest(em_mm: float, brushes: Sequence[str]) -> str:
@@ -183,7 +189,7 @@ def hand_table(hand: PlannedHand, source: GlyphSource) -> Table:
     plan = partial(_plan, source=source, brush=hand.brush, em_mm=hand.em_mm)
     plans: Mapping[str, list[AnyArray]] = {one: plan(one) for one in hand.characters}
     samples = [stroke for one in hand.characters for stroke in plans[one]]
-    counted = np.rint(np.concatenate(samples) / np.array(steps))
+    counted = np.rint(np.concatenate([np.empty((0, len(steps))), *samples]) / np.array(steps))
     words = {
         "steps": steps,
         "characters": {one: list(map(len, plans[one])) for one in hand.characters},

@@ -6,6 +6,7 @@ function render({ model, el }) {
   frame.allow = "fullscreen; hid";
   frame.style.cssText = `display: block; width: 100%; height: ${model.get("_height")}px; border: 0`;
   frame.srcdoc = model.get("_page");
+  let isCurrent = false;
   const fromPage = ({ source, data }) => {
     if (source === frame.contentWindow && data?.paint3d !== undefined) model.send({ ...data, view });
   };
@@ -13,8 +14,10 @@ function render({ model, el }) {
     if (told.paint3d === "heard") {
       model.set("strokes", told.strokes); // from here, as a notebook that runs again by itself hears no other changes
       model.save_changes();
-    } else if (told.view === view) frame.contentWindow?.postMessage(told, "*");
-    else frame.replaceWith("This painting goes on where it was shown last.");
+    } else if (told.view === view) {
+      isCurrent = true;
+      frame.contentWindow?.postMessage(told, "*");
+    } else if (isCurrent) frame.replaceWith("This painting goes on where it was shown last.");
   };
   addEventListener("message", fromPage);
   model.on("msg:custom", fromPython);

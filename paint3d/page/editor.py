@@ -1,4 +1,4 @@
-"""The widget of a notebook's cell that a painting is gone on with in.
+"""A notebook widget in which a painting is continued.
 
 It shows the page of one file (`single_file`) in a frame, which tells it line by line what is done,
 as a recording.
@@ -43,7 +43,7 @@ class Editor(AnyWidget):
     def __init__(self, surface: PaintedSurface, score: Score, page: str, height: int) -> None:
         self._mesh = surface.source
         self._text = "".join(write_score(score))
-        self._view = ""  # that goes on with it, of several that a notebook may show
+        self._view = ""  # id of the view that goes on with it; a notebook may show several
         self._painted: tuple[str, Document] | None = None
         n_strokes = self._text.count('"begin_stroke"')
         super().__init__(_page=page, _height=height, strokes=n_strokes)
@@ -94,7 +94,7 @@ class Editor(AnyWidget):
         self._document().save(path)
 
     def _document(self) -> Document:
-        if self._painted is None or self._painted[0] != self._text:
-            score = self.score
-            self._painted = self._text, painted(score, self._mesh)
+        text = self._text  # which may go on while it is painted
+        if self._painted is None or self._painted[0] != text:
+            self._painted = text, painted(read_score(text, _NAME), self._mesh)
         return self._painted[1]

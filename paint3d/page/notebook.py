@@ -50,7 +50,9 @@ def edit(
     """
     try:
         from paint3d.page.editor import Editor
-    except ImportError as cause:
+    except ModuleNotFoundError as cause:
+        if cause.name not in ("anywidget", "traitlets"):
+            raise
         raise ExportError(
             "anywidget could not be loaded: {cause}; expected it installed",
             cause=cause,

@@ -177,11 +177,19 @@ export class WritingHand {
     const scale = laid.em_mm / this.emMm;
     for (const { text, at } of squaresOf(surface, laid, apex))
       for (const { first, n } of this.#strokes.get(text) ?? []) {
-        const stroke: DeviceSample[] = [];
+        let stroke: DeviceSample[] = [];
+        let from = 0; // s, when it comes down
         for (let k = first; k < first + n; k++) {
           const row = steps.map((step, part) => step * samples[part * rows + k]);
           const frame = at(scale * row[1], scale * row[2]);
-          if (frame !== null) stroke.push(sampleOn(frame, row));
+          if (frame === null) {
+            if (stroke.length > 1) yield stroke; // it goes on where the object does
+            stroke = [];
+            continue;
+          }
+          if (stroke.length === 0) from = row[0];
+          row[0] -= from;
+          stroke.push(sampleOn(frame, row));
         }
         if (stroke.length > 1) yield stroke;
       }

@@ -3,10 +3,10 @@
 import type { Keeping } from "./keeper";
 import type { OwnFile } from "./own_object";
 
-const SILENT_MS = 30_000; // that it may be while it is asked for the piece
+const SILENT_MS = 30_000; // how long to wait for its answer: a notebook's kernel may be busy, or gone
 
 export class Host implements Keeping {
-  readonly isUpToDate = true; // what is told arrives, whatever becomes of this page
+  readonly isUpToDate = true; // what is told leaves this page at once
 
   private constructor(private readonly text: string) {}
 
