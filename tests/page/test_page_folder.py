@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import json
+import math
 import re
 import shutil
 from pathlib import Path
@@ -12,11 +13,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import paint3d
+from paint3d.brush.presets import SMALLEST_PRESET_EM
 from paint3d.cli.main import main
 from paint3d.errors import ExportError, InputError, UnknownNameError
 from paint3d.page.bundle import write_bundle
+from paint3d.page.copybook import SCALED, hands_for
 from paint3d.page.folder import KERNELS, PageObject, build_page
 from tests.support.web_page import decoded_bundle
 
@@ -212,3 +217,14 @@ def test_the_command_writes_what_a_page_needs(seals, tmp_path: Path, monkeypatch
     assert all((out / hand["file"]).is_file() for hand in hands)
     assert (out / "kernels.wasm").read_bytes()[:4] == b"\0asm"
     shutil.rmtree(out)
+
+
+@given(st.lists(st.integers(math.ceil(10 * SMALLEST_PRESET_EM), 3000), min_size=1, max_size=5))
+def test_all_sizes_that_are_wanted_are_written(tenths: list[int]) -> None:
+    """A hand is planned for each that it can be scaled to, by as much as the page scales."""
+    wanted = [(mm / 10, chr(ord("a") + k) + " \u3000\n") for k, mm in enumerate(tenths)]
+    hands = hands_for(wanted, ["full", "xiaokai"])
+    assert not any(one.isspace() for hand in hands for one in hand.characters)
+    for em_mm, text in wanted:
+        (hand,) = [hand for hand in hands if text[0] in hand.characters]
+        assert 1 / SCALED <= em_mm / hand.em_mm <= SCALED
