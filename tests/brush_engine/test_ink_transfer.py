@@ -7,7 +7,8 @@ import math
 
 import numpy as np
 import pytest
-from scipy.ndimage import median_filter
+from scipy.ndimage import gaussian_filter1d, median_filter
+from scipy.signal import find_peaks
 
 from paint3d.brush.spec import DipAmount
 from paint3d.brush_engine.coverage import weighed_area
@@ -404,6 +405,24 @@ def test_a_dark_tip_leaves_on_a_wet_wash_what_it_leaves_beside_it():
     tip = (x > 26.5) & (x < 28.5) & (surface.coverage > 0.999)
     over, beside = tip & (np.abs(y) < 4.0), tip & (np.abs(y) > 8.0) & (np.abs(y) < 12.0)
     assert coats[over].mean() > 0.8 * coats[beside].mean()  # .56 by the mean of the tuft
+
+
+def test_a_leaf_by_one_stroke_has_no_bands():
+    """What has run off since it was followed is not put back by another part of the tuft."""
+    surface = PaintedSurface(sheet(flat, (26.0, 10.0), 3.0), 0.25, "xuan")
+    painter = Painter(surface, "full", "clear", amount=DipAmount(fullness=0.14))
+    painter.dip("burnt", reach=0.17)
+    steps = np.linspace(0.0, 1.0, 110)
+    points = np.column_stack([40.0 * steps - 20.0, 0.0 * steps, 0.0 * steps])
+    pressures = 0.32 * np.sin(np.pi * steps) ** 0.7
+    aside = (np.cos(2.8), np.sin(2.8), 0.0)
+    painter.replay(poses(points, UP, aside, pressures, tilt=UPRIGHT), wet=True)
+    x, y = surface.paint_mesh.vertices[:, :2].T
+    coats = surface.ink.amounts[: surface.n_vertices].sum(axis=1)
+    inside = (surface.coverage > 0.99) & (np.abs(y) < 1.0)
+    along = [coats[inside & (np.round(4.0 * x) == k)].mean() for k in range(-52, 53)]
+    bands, _ = find_peaks(gaussian_filter1d(along, 2), prominence=0.01)
+    assert len(bands) == 0  # 2 where it was
 
 
 def test_a_hand_that_trembles_draws_no_dark_rims():
