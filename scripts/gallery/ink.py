@@ -20,6 +20,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from PIL import Image
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 import paint3d
@@ -28,7 +29,10 @@ from paint3d.brush.spec import DipAmount
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.device.recorded import Recording
+from paint3d.files.export import gloss_of
+from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
+from paint3d.files.project.painting import read_painting
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import SurfaceChart, make_chart
 from paint3d.mesh.placement import place
@@ -36,7 +40,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import load_recording
 from paint3d.surface.painted_surface import PaintedSurface
-from paint3d.view.picture import Gloss, render_picture
+from paint3d.view.picture import draw_picture
 
 OUT = Path(__file__).parents[2] / "docs/gallery"
 DEMO = Path(paint3d.__file__).parent / "calligraphy/data/demo.jsonl.gz"
@@ -80,11 +84,13 @@ def _held(points, normals, along, press, spec) -> Recording:
     return Recording(time_ns, place_of_pen, quaternions_from_matrices(frames), press)
 
 
-def draw(surface: PaintedSurface, path: Path, size=(1400, 1050), view=None, gloss=None) -> None:
-    """Write a picture of the surface as it is."""
-    gloss = gloss or Gloss.of(surface.material.name)
-    arrays = surface.export_arrays(tolerance=0.5)
-    render_picture(*arrays, path, size=size, view=view, gloss=gloss)
+def draw(surface: PaintedSurface, path: Path, size=(1400, 1050), view=None) -> None:
+    """Write a picture of the surface as `paint3d picture` does."""
+    read = read_painting(surface, ExportOptions())
+    pixels = draw_picture(
+        *read[:3], read.shown_srgb, size=size, view=view, gloss=gloss_of(read), edges=read.edges
+    )
+    Image.fromarray(pixels).save(path, optimize=True)
 
 
 def hand(
@@ -306,8 +312,6 @@ def feathering(folder: Path) -> None:
 
 def join(paths: list[Path], out: Path) -> None:
     """Put pictures side by side in one, and remove them."""
-    from PIL import Image
-
     images = [Image.open(path).convert("RGB") for path in paths]
     whole = Image.new("RGB", (sum(i.width for i in images), images[0].height))
     x = 0
