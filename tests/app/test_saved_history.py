@@ -302,6 +302,8 @@ def saved(tmp_path_factory):
     document.let_time_pass(0.3)
     paint(document, (-20, 9), (20, 9))
     document.dry()
+    paint(document, (-20, -9), (20, 9))
+    document.dry()  # over what has dried: the step keeps what lay there before
     paint(document, (-20, -9), (20, -9))
     document.remove_layer(0)
     document.undo()

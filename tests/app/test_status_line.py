@@ -97,7 +97,12 @@ def test_that_strokes_are_recorded_is_said_until_they_are_not(window, monkeypatc
 
 @pytest.mark.parametrize(
     ("lag_s", "queue", "said"),
-    [(0.4, 3, "behind by 400 ms"), (0.4, 0, "has caught up"), (0.02, 0, "keeps up, 20.0 ms")],
+    [
+        (0.7, 3, "is catching up with your strokes, 0.7 s"),
+        (0.7, 0, "has caught up"),
+        (0.3, 3, "keeps up, 300.0 ms"),
+        (0.02, 0, "keeps up, 20.0 ms"),
+    ],
 )
 def test_the_devices_say_of_the_painting_what_the_status_line_says(
     window, monkeypatch, lag_s, queue, said

@@ -60,7 +60,7 @@ def test_an_option_that_is_not_known_is_told_with_its_command(capsys) -> None:
 
 
 def test_a_studio_that_lacks_a_library_says_so_in_one_line(monkeypatch, capsys) -> None:
-    monkeypatch.setitem(sys.modules, "paint3d.view.live_scene", None)
+    monkeypatch.setitem(sys.modules, "paint3d.app.window.program", None)
     assert main.main(["paint", "--quiet"]) == 2
     assert "error: the studio needs PySide6, which cannot be loaded (" in capsys.readouterr().err
 
