@@ -1,7 +1,7 @@
 """Timing: paths of strokes become one motion of the hand, sampled evenly.
 
-Within a stroke the hand follows v ~ curvature^-0.29, slows down to turn the holder, and starts and
-ends at rest; between strokes it lifts and moves over with least jerk; between characters it rises,
+Within a stroke the hand follows v ~ curvature^-0.29, in one swell from bend to bend whatever small
+sways its course has, slows down to turn the holder, and starts and ends at rest; between strokes it lifts and moves over with least jerk; between characters it rises,
 dips the brush, and comes back.
 """
 
