@@ -569,11 +569,11 @@ def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
     _fetch_coats(found.runs, found.count[0], found.ids, n, ink.amounts, found.coats)
     if absorbency(ink) > 0.0:
         _find_heights(scratch.sweep[0].to_after, after, found, n)
+    if ink.load.shape[0] > 1:
+        _count_drained(before, after, found, n, field, ink)
     if landing > 0.0 and _saturate(after, found, n, ink):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
         rest = weighed / whole
-    if ink.load.shape[0] > 1:
-        _count_drained(before, after, found, n, field, ink)
     first = _lay_first_film(coats, landing / whole, before, after, found, n, field, ink, scratch)
     if first > 0.0:
         weighed = weighed_area(n, found.area, found.share, field.area_step)
