@@ -41,7 +41,14 @@ SHADER = Path(__file__).with_name("paper.glsl").read_text("utf-8")
 _CONSTANTS = "".join(
     f"const float {name.upper()} = {float(RECIPE[name])!r};\n"
     for name in (
-        "tile_mm", "pixels", "light_range", "grain_range", "black", "in_dark", "pits", "pit_from",
+        "tile_mm",
+        "pixels",
+        "light_range",
+        "grain_range",
+        "black",
+        "in_dark",
+        "pits",
+        "pit_from",
         "carried_mm",
     )  # fmt: skip
 )

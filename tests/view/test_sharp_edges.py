@@ -174,7 +174,9 @@ def test_dark_ink_has_single_pits_and_little_other_grain(surface) -> None:
     surface.ink.amounts[:] *= 0.2
     surface.touch(np.arange(surface.n_vertices, dtype=np.int32))
     surface.refresh()
-    ink = flat(surface, 0.3, -2.0, 15.0, edges_of(surface), 1.0)[:, SIZE[0] // 4 : SIZE[0] // 2 - 10]
+    ink = flat(surface, 0.3, -2.0, 15.0, edges_of(surface), 1.0)[
+        :, SIZE[0] // 4 : SIZE[0] // 2 - 10
+    ]
     fine = ink - gaussian_filter(ink, 3.0)
     assert 25.0 < ink.mean() < 45.0
     assert 2.0 < fine.std() < 4.5
