@@ -1,7 +1,7 @@
 """Timing: paths of strokes become one motion of the hand, sampled evenly.
 
-Within a stroke the hand follows v ~ curvature^-0.29, slows down to turn the holder, and starts and
-ends at rest; between strokes it lifts and moves over with least jerk; between characters it rises,
+Within a stroke the hand follows v ~ curvature^-0.29, in one swell from bend to bend whatever small
+sways its course has, slows down to turn the holder, and starts and ends at rest; between strokes it lifts and moves over with least jerk; between characters it rises,
 dips the brush, and comes back.
 """
 
@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
+from scipy.linalg import solveh_banded
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
 from paint3d.calligraphy.centre_line import smooth_along
@@ -45,12 +46,15 @@ __all__ = [
 _TURN_RADIUS = 3.0  # mm of way that a turn of the holder by one radian counts for
 _CURVATURE_POWER = -0.29
 _FINEST_CURVE = 0.003  # of the em: finer curves are rounded
+_SWAY, _SWAY_TOLD = 0.06, 0.0006  # of the em: shorter sways are left out, if they are as small
+_SWAY_ROUNDS = 6  # in which what was changed more counts more
+_TOUCHING_MM = 1e-6  # how deep a brush that touches stays at least
 _REFERENCE_RADIUS = 0.25  # of the em: curves this wide are travelled at cruising speed
 _BROADEST = 1.4  # of cruising speed: what wide curves allow
 _CARE = 0.5  # power of what a sample lacks that time is stretched by in one round
 _AIM = 1.1  # by which time is stretched too much, to be done sooner
 _ROUNDS = 12  # of stretching
-_EASE_S = 0.02  # s to both sides over which speed is evened out
+_EASE_S = 0.07  # s to both sides over which speed is evened out
 _AROUND_S = 0.012  # s to both sides that are stretched with a sample
 _HEADROOM = 0.92  # of each limit is made use of
 _PHASES = 2  # by which samples may fall earlier or later
@@ -154,8 +158,39 @@ def _even_path(poses: AnyArray, em_mm: float) -> tuple[NDArray[np.float64], floa
     way = np.r_[0.0, np.cumsum(steps[steps > 1e-9])]
     n = max(24, len(way))
     even = np.linspace(0.0, way[-1], n)
-    path = interpolate(even, way, poses[kept])
-    return smooth_along(path, _FINEST_CURVE * em_mm * (n - 1) / way[-1]), float(way[-1])
+    path, per_em = interpolate(even, way, poses[kept]), em_mm * (n - 1) / way[-1]
+    path = smooth_along(path, _FINEST_CURVE * per_em)
+    down = path[:, 2] < 0.0
+    for k, unit in enumerate((1.0, 1.0, 1.0, _TURN_RADIUS)):
+        told = _SWAY_TOLD * em_mm / unit
+        path[:, k] = _without_sway(path[:, k], _SWAY * per_em, told)
+    path[down, 2] = np.minimum(path[down, 2], -_TOUCHING_MM)
+    return path, float(way[-1])
+
+
+def _without_sway(values: AnyArray, longest: float, told: float) -> NDArray[np.float64]:
+    """Leave out of values (N,) what sways by less than `told` over fewer than so many steps.
+
+    A course is planned between knots, at each of which a hand would have to slow down. This is
+    Whittaker's smoothing (1923) by third differences, with more weight in each round on what it
+    changed by more than `told`; both ends stay.
+    """
+    n, order = len(values), 3
+    differences = np.array([-1.0, 3.0, -3.0, 1.0])
+    bands = np.zeros((order + 1, n))
+    for i, a in enumerate(differences):
+        for j, b in enumerate(differences[: i + 1]):
+            bands[order - (i - j), i : n - order + i] += a * b
+    bands *= (longest / (2.0 * np.pi)) ** (2 * order)
+    weights = np.ones(n)
+    weights[[0, -1]] = 1e6
+    for _ in range(_SWAY_ROUNDS):
+        system = bands.copy()
+        system[order] += weights
+        smooth: NDArray[np.float64] = solveh_banded(system, weights * values)
+        weights[1:-1] *= np.maximum(1.0, ((smooth - values) / told) ** 2)[1:-1]
+    smooth[[0, -1]] = values[[0, -1]]
+    return smooth
 
 
 def _limit_by_bends(

@@ -147,7 +147,7 @@ class EdgeShaders(NamedTuple):
             return f"  float moreInk = 0.0;\n{self.fragment}"
         return f"""  float moreInk = {paper.more_ink};
 {self.fragment}
-  painted = in_grain(painted, bareCodes, moreInk);
+  painted = in_grain(painted, bareCodes, moreInk, surfacePlace);
 """
 
     @classmethod

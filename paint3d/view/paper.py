@@ -32,13 +32,25 @@ two that are added, and `light_range` from 0 to 255; clouds fade below `smallest
 so many cycles to the mm. `specks`, `short_fibres`: the `weight` of each in the grain, whose
 standard deviation is `grain`, as an exponent, and which is `grain_range` from 0 to 255. Of fibres:
 `bends` is a standard deviation, rad a `step_mm`, and `dark` what dark ones are where pale ones are
-1. `black` is what ink that hides shows of the bare sheet.
+1. `black` is what ink that hides shows of the bare sheet, `in_dark` what dark ink has of the
+grain, and `pits` how many times more of it is seen where it is paler by more than `pit_from`.
+Where grain doubles what is seen of ink, a place shows that of one `carried_mm` beside it.
 """
 SHADER = Path(__file__).with_name("paper.glsl").read_text("utf-8")
 """GLSL that reads it; `Paper.add_to` says what it is called by."""
 _CONSTANTS = "".join(
     f"const float {name.upper()} = {float(RECIPE[name])!r};\n"
-    for name in ("tile_mm", "pixels", "light_range", "grain_range", "black")
+    for name in (
+        "tile_mm",
+        "pixels",
+        "light_range",
+        "grain_range",
+        "black",
+        "in_dark",
+        "pits",
+        "pit_from",
+        "carried_mm",
+    )  # fmt: skip
 )
 """GLSL: the numbers of the recipe that it reads."""
 _OF_CODES = 1.0 / 2.2  # what of a small change of light is one of codes

@@ -7,9 +7,12 @@ import math
 
 import numpy as np
 import pytest
+from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, median_filter
 from scipy.signal import find_peaks
 
+from paint3d.app.model.document import Document
+from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import DipAmount
 from paint3d.brush_engine.coverage import weighed_area
 from paint3d.brush_engine.ink_transfer import level_reservoirs
@@ -18,6 +21,7 @@ from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
+from tests.support.app.hands import line
 from tests.support.surface_cases import UPRIGHT, flat, poses, sheet
 
 UP = (0.0, 0.0, 1.0)
@@ -361,6 +365,50 @@ def test_wet_ink_is_even_along_a_stroke_however_often_it_is_followed(ink, n, lev
         paler.append(row < level * median_filter(row, 9))
     # .007 where what ran ahead lay beside what came; .017 of thin ink that ran under the tuft
     assert np.concatenate(paler).mean() < 0.004
+
+
+def by_mm(piece_s: float) -> NDArray[np.float64]:
+    """Coats along a fast stroke of wet ink that is followed so often while it is painted."""
+    document = Document.new("plane", 0.4, material="xuan")
+    document.set_brush(load_brush("full"))
+    document.dip({"pine soot": 0.26, "water": 0.74})
+    samples = line((-40.0, 0.0), (40.0, 0.0), n=80, pressure=0.35, height=25.0)
+    document.begin_stroke()
+    followed = samples[0].time_ns
+    for sample in samples:
+        while sample.time_ns - followed >= piece_s * 1e9:
+            document.follow_time(piece_s)
+            followed += round(piece_s * 1e9)
+        document.feed([sample])
+    document.end_stroke()
+    surface = document.surface
+    x, y = surface.paint_mesh.vertices[:, :2].T
+    middle = (np.abs(x) < 20.0) & (np.abs(y) < 0.7)
+    step = np.floor(x[middle] + 20.0).astype(int)
+    coats = surface.ink.amounts[: surface.n_vertices].sum(axis=1)[middle]
+    return np.bincount(step, coats) / np.bincount(step)
+
+
+def test_a_fast_stroke_of_wet_ink_has_no_dark_bands():
+    """Where the tuft stood at such a moment, its water in the paper, as much was given again."""
+    seldom, often = by_mm(0.05), by_mm(0.0125)
+    assert seldom.max() < 1.2 * seldom.min()  # 1.5
+    assert often.mean() == pytest.approx(seldom.mean(), rel=0.1)  # 1.4 times as much
+
+
+def test_strokes_of_wet_ink_run_into_each_other_where_they_cross():
+    """Not as one pane of glass over another, nor with a pale seam."""
+    surface = PaintedSurface(sheet(flat, (14.0, 14.0), 3.0), 0.3, "xuan")
+    painter = Painter(surface, "full", "heavy")
+    steps, pressures = np.linspace(-12.0, 12.0, 100), np.full(100, 0.35)
+    for way in (np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
+        painter.replay(poses(np.outer(steps, way), UP, way, pressures, tilt=UPRIGHT), wet=True)
+        surface.diffuse(1.0)
+    x, y = np.abs(surface.paint_mesh.vertices[:, :2].T)
+    coats = surface.ink.amounts[: surface.n_vertices].sum(axis=1)
+    crossing = coats[(x < 1.5) & (y < 1.5)].mean()
+    beside = coats[(np.minimum(x, y) < 1.5) & (np.maximum(x, y) > 5.0) & (x + y < 8.0)].mean()
+    assert 0.95 * beside < crossing < 1.25 * beside
 
 
 def test_a_stroke_over_the_halo_of_another_has_no_pale_seam():

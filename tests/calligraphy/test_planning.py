@@ -29,7 +29,7 @@ from paint3d.calligraphy.planning import (
     plan_glyph,
     plan_stroke,
 )
-from paint3d.calligraphy.timing import Tempo, time_paths
+from paint3d.calligraphy.timing import Limits, Tempo, time_path, time_paths
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
@@ -375,6 +375,23 @@ def test_brush_touches_once_a_stroke_and_is_lifted_between():
     assert np.count_nonzero(down[1:] & ~down[:-1]) == 3
     assert not down[0]
     assert not down[-1]
+
+
+def test_the_hand_goes_through_a_stroke_in_one_swell():
+    """Not from knot to knot of its course, which sways by less than anybody sees."""
+    at = np.linspace(0.0, 1.0, 401)
+    press = np.interp(at, [0.0, 0.1, 0.9, 1.0], [0.0, 4.0, 4.0, 0.0])
+    knots = 0.05 * np.array([0, 0, *[1, -1] * 5, 0, 0])  # mm
+    sway = np.interp(at, np.linspace(0.0, 1.0, len(knots)), knots)
+    poses = np.column_stack([60.0 * at, sway, sway - press, 0.0 * at])
+    time, way = time_path(poses, 88.0, 1.1, Limits(120.0, 1e3, 1e4, 5.5, RATE))
+    speed = np.gradient(way[:, 0]) / np.gradient(time)
+    fastest = int(speed.argmax())
+    assert speed[fastest] > 60.0
+    assert np.diff(speed[:fastest]).min() > -0.5
+    assert np.diff(speed[fastest:]).max() < 0.5
+    for k in (1, 2):
+        assert np.abs(way[:, k] - np.interp(way[:, 0], poses[:, 0], poses[:, k])).max() < 0.15  # mm
 
 
 def test_motion_follows_the_course():

@@ -27,6 +27,10 @@
  * @property {number} grain
  * @property {number} grain_range
  * @property {number} black
+ * @property {number} in_dark
+ * @property {number} pits
+ * @property {number} pit_from
+ * @property {number} carried_mm
  */
 
 /**
@@ -37,7 +41,8 @@
  */
 export function paperShader(recipe, shader) {
   const numbers = { TILE_MM: recipe.tile_mm, PIXELS: recipe.pixels, LIGHT_RANGE: recipe.light_range,
-                    GRAIN_RANGE: recipe.grain_range, BLACK: recipe.black }; // prettier-ignore
+                    GRAIN_RANGE: recipe.grain_range, BLACK: recipe.black, IN_DARK: recipe.in_dark,
+                    PITS: recipe.pits, PIT_FROM: recipe.pit_from, CARRIED_MM: recipe.carried_mm }; // prettier-ignore
   const declared = Object.entries(numbers).map(([name, value]) => `const float ${name} = ${value.toFixed(6)};\n`);
   return `uniform sampler2D paperTile;\nconst bool QUICK = false;\n${declared.join("")}${shader}`;
 }

@@ -50,7 +50,7 @@
       }
       vec2 sheet = felted * paper(at);
       if (felted > 0.0) {
-        painted = in_grain(painted, bare_code, sheet.y);
+        painted = in_grain(painted, bare_code, sheet.y, at);
         painted = codes_of(clamp(light_of(painted) * (1.0 + sheet.x), 0.0, 1.0));
       }
       if (lit == 0.0) { shown = vec4(painted, 1.0); return; }
@@ -63,7 +63,7 @@
 
   const NO_PAPER = `
     vec2 paper(vec3 place) { return vec2(0.0); }
-    vec3 in_grain(vec3 codes, vec3 bare, float more) { return codes; }`;
+    vec3 in_grain(vec3 codes, vec3 bare, float more, vec3 at) { return codes; }`;
 
   const element = (id) => document.getElementById(id);
   const canvas = element("view");

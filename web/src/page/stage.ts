@@ -48,7 +48,7 @@ void main() {
   vec3 n = normalize(normal), v = normalize(eye - place);
   if (dot(n, v) < 0.0 && !gl_FrontFacing) n = -n;
   vec2 sheet = felted * paper(place);
-  vec3 paint = decoded(in_grain(code, bare, sheet.y)) * (1.0 + sheet.x);
+  vec3 paint = decoded(in_grain(code, bare, sheet.y, place)) * (1.0 + sheet.x);
   float seen = open / (1.0 - 0.72 * (1.0 - open));  // light that white walls throw back comes again
   float soft = max(0.0, dot(n, LAMP)) * smoothstep(0.1, 0.9, open);
   vec3 round = paint * (0.86 * seen * (0.80 + 0.20 * n.z) + 0.24 * soft);
