@@ -358,7 +358,7 @@ def test_a_mouse_comes_down_softly(plane):
     hand = Hand(plane, force=3.95)
     samples = draw(hand, [(k, 0) for k in range(12)])
     pressures = [s.pressure for s in samples[:-1]]
-    assert pressures[:4] == pytest.approx([0.0, 0.5 / 6, 1.0 / 6, 0.25])
+    assert pressures[:4] == pytest.approx([0.0, 11.0 / 72, 20.0 / 72, 27.0 / 72])
     assert pressures[7:] == pytest.approx([0.5] * 5)
 
 

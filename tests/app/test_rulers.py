@@ -1,4 +1,4 @@
-"""Rulers that lead strokes, and what steadies a mouse: straight, around, along the profile."""
+"""Rulers that lead strokes, straight, around, along the profile; what steadies and presses a mouse."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from PySide6 import QtCore
 
 from paint3d.app.model.input.hand import Hand, HandSettings
 from paint3d.app.model.persistence.settings import Settings
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
@@ -58,6 +59,8 @@ def test_a_mouse_is_steadied_and_tapers_at_both_ends(plane) -> None:
     falls = pressures[-12:]
     assert (np.diff(falls) <= 1e-9).all()
     assert 0.0 < falls[4] < full
+    assert (np.diff(falls[:-1], 2) <= 1e-9).all()  # rounded: no corner where it begins to fall
+    assert falls[6] > 0.5 * full
     pens = [draw(Hand(plane, settings), way, pressure=0.5) for settings in
             (HandSettings(), HandSettings(mouse_smoothing=STEADY))]  # fmt: skip
     np.testing.assert_array_equal(places(pens[0]), places(pens[1]))
@@ -132,3 +135,26 @@ def test_u_switches_the_ruler_on_and_off(bowl) -> None:
     wait_for(lambda: bowl.hand.settings.ruler != "none")
     type_key(bowl.canvas, KEY.Key_U)
     wait_for(lambda: bowl.hand.settings.ruler == "none")
+
+
+def pressed(window) -> float:
+    """How hard a stroke is pressed that is led now, 0 to 1."""
+    lead(window, (0.45, 0.4), (0.55, 0.5))
+    (stroke,) = window.document.strokes
+    return max(sample.pressure for sample in stroke.samples)
+
+
+def test_a_mouse_presses_as_the_panel_says_and_the_panel_says_as_it_presses(bowl) -> None:
+    panel, before = bowl.panels.hand, bowl.hand.force
+    try:
+        panel.force.setValue(60)
+        assert pressed(bowl) == pytest.approx(0.6)
+        panel.by_speed.setChecked(True)
+        assert bowl.workspace.settings.pressure_by == "speed"
+        bowl.stage.paint_thread.post("undo").result(300)
+        assert pressed(bowl) < 0.5
+        bowl.hand.set_force(0.2 * MAX_FORCE_N)  # as a wheel, a key or a drag has it
+        wait_for(lambda: panel.force.value() == 20)
+    finally:
+        panel.by_speed.setChecked(False)
+        bowl.hand.set_force(before)
