@@ -94,6 +94,16 @@ def test_a_scroll_is_chosen_sized_mounted_and_painted(window, tmp_path: Path) ->
     np.testing.assert_array_equal(opened.srgb, surface.srgb)
 
 
+def test_what_there_is_to_choose_from_is_said_whole(window) -> None:
+    dialog = NewDialog(window, Settings())
+    for pictures in (dialog.sheets, dialog.objects):
+        wide = pictures.fontMetrics().horizontalAdvance
+        for row in range(pictures.count()):
+            words = pictures.item(row).text().split("\n")
+            assert max(map(wide, words)) + 8 <= pictures.gridSize().width(), words
+    dialog.deleteLater()
+
+
 def test_a_round_fan_has_one_size_and_is_of_silk(window) -> None:
     def fill(dialog: NewDialog) -> None:
         click_picture(dialog.sheets, "Round fan")

@@ -349,6 +349,8 @@ def _needed(dock: QtWidgets.QDockWidget) -> int:
     assert content is not None, "each panel was put into its dock"
     if isinstance(content, InkPanel):
         return content.height_with_dishes(dock.width())
+    if isinstance(content, BrushPanel):
+        return content.height_with_brushes()
     wide = content.heightForWidth(dock.width())
     return wide if wide > 0 else content.sizeHint().height()
 

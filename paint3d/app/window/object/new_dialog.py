@@ -26,7 +26,8 @@ from paint3d.view.preview import Preview
 __all__ = ["NewDialog"]
 
 _SMALL, _LARGE = 64, 300  # pixels
-_CELL = QtCore.QSize(114, 122)
+_CELL = QtCore.QSize(114, 122)  # or wider, by the longest words
+_BESIDE_WORDS = 14
 _SUITED = {"bowl": "porcelain", "plate": "porcelain", "vase": "porcelain", "sphere": "plaster",
            "plane": "xuan"}  # fmt: skip
 _LABELS = {
@@ -132,7 +133,7 @@ class NewDialog(FormDialog):
         self.buttons = buttons(self, say("Begin"))
         whole.addWidget(self.buttons)
         room = self.screen().availableGeometry().size()
-        self.resize(QtCore.QSize(1080, 690).boundedTo(room))
+        self.resize(QtCore.QSize(1190, 690).boundedTo(room))
 
     def _chosen_in(
         self, pictures: _Pictures
@@ -245,10 +246,13 @@ class _Pictures(QtWidgets.QListWidget):
                 self.setCurrentRow(-1)
 
     def add(self, name: str, words: str) -> None:
-        """Add one; a sheet's picture is drawn at once."""
+        """Add one, with room for its words; a sheet's picture is drawn at once."""
         item = QtWidgets.QListWidgetItem(words)
         item.setData(_NAME, name)
-        item.setSizeHint(_CELL - QtCore.QSize(4, 4))
+        widest = max(map(self.fontMetrics().horizontalAdvance, words.split("\n")))
+        cell = self.gridSize().expandedTo(QtCore.QSize(widest + _BESIDE_WORDS, 0))
+        self.setGridSize(cell)
+        item.setSizeHint(cell - QtCore.QSize(4, 4))
         item.setTextAlignment(QtCore.Qt.AlignmentFlag.AlignHCenter)
         if is_sheet(name):
             usual = _usual(name)
