@@ -1,4 +1,4 @@
-"""Rulers that lead strokes, straight, around, along the profile; what steadies and presses a mouse."""
+"""Rulers that lead strokes: straight, around, along the profile; a mouse steadied and pressed."""
 
 from __future__ import annotations
 

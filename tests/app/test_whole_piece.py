@@ -162,7 +162,7 @@ def test_a_fan_with_bamboo_in_wet_ink_is_signed_sealed_and_kept(window, tmp_path
     before = window.copying.held().book.lines
     middle = window.hand.pixels_of(window.copying.held().book.block.frame.origin[None])[0]
     start = middle / [window.canvas.width(), window.canvas.height()]
-    drag(window.canvas, start, start + [0.2, 0.04])
+    drag(window.canvas, start, start + np.array([0.2, 0.04]))
     wait_for(lambda: window.document.texts[0].point is not None)
     settled(window)
     assert window.copying.held().book.lines == before
@@ -172,7 +172,7 @@ def test_a_fan_with_bamboo_in_wet_ink_is_signed_sealed_and_kept(window, tmp_path
     type_key(window.canvas, KEY.Key_W, SHIFT)  # all of it dries
     settled(window)
     pixels = take_picture(window, tmp_path / "fan.png")
-    rows, columns = reds(pixels)
+    _, columns = reds(pixels)
     black = (pixels.max(axis=2) < 90).nonzero()
     half = pixels.shape[1] // 2
     assert np.count_nonzero(black[1] < half) > 200  # the bamboo

@@ -31,7 +31,7 @@ from paint3d.app.window.copybook.text_moving import HeldText, TextMover
 from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.seal import ProposedSeal
-from paint3d.app.window.wording import say, say_brush, say_error, say_length
+from paint3d.app.window.wording import say, say_brush, say_error, say_fonts, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.composition import compose, seal_below, sign_beside
@@ -436,11 +436,7 @@ class CopybookGuide:
         )
 
     def _tell_fonts(self, book: Copybook, note: str = "", state: str = "off") -> None:
-        taken = [
-            say("{characters} taken from the font {font}", characters=text, font=font)
-            for font, text in book.from_fonts.items()
-        ]
-        message = say("; ").join([*taken, *filter(None, [note])])
+        message = say("; ").join([*say_fonts(book.from_fonts), *filter(None, [note])])
         if message:
             self._workspace.tell(message, state=state)
 
