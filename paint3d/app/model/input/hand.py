@@ -466,10 +466,13 @@ class Hand:
         if state is None or state.began_ns is None:
             return []
         if event is not None and event.pressure is None and len(self._waiting) == 1:
-            # a mouse that stands says nothing until its button is let go: a click is a dot
+            # a mouse that stands says nothing until its button is let go: a click is a dot, and
+            # that of a tap on a touchpad, which takes no time, is no smaller
             state.sent_ns = max(event.time_ns, state.sent_ns + _STEP_NS)
+            landed_ns = state.began_ns + round(1e9 * self.settings.landing_s)
+            landed = replace(event, time_ns=max(event.time_ns, landed_ns))
             pressed = replace(
-                self._waiting[0], time_ns=state.sent_ns, pressure=self._pressure(event)
+                self._waiting[0], time_ns=state.sent_ns, pressure=self._pressure(landed)
             )
             self._waiting.append(pressed)
         samples = self._land(brush) + self._glide(brush)
