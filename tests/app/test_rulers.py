@@ -8,7 +8,9 @@ import pytest
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore
+from scipy.signal import savgol_filter
 
+from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, HandSettings
 from paint3d.app.model.persistence.settings import Settings
 from paint3d.device.recorded import MAX_FORCE_N
@@ -18,6 +20,7 @@ from paint3d.mesh.bvh import ClosestPoints
 from paint3d.pose.brush_pose import object_poses
 from tests.app.test_hand import draw, places
 from tests.support.app.gestures import BUTTON, KIND, mouse, type_key, wait_for
+from tests.support.app.marks import take_mark
 from tests.support.app.windows import opened, settled
 
 KEY = QtCore.Qt.Key
@@ -64,6 +67,33 @@ def test_a_mouse_is_steadied_and_tapers_at_both_ends(plane) -> None:
     pens = [draw(Hand(plane, settings), way, pressure=0.5) for settings in
             (HandSettings(), HandSettings(mouse_smoothing=STEADY))]  # fmt: skip
     np.testing.assert_array_equal(places(pens[0]), places(pens[1]))
+
+
+def swing(settings: HandSettings) -> float:
+    """How far the edges of a mouse's stroke leave smooth curves, mm, in all but a twentieth of it.
+
+    Of a hand that trembles, told in whole pixels of .29 mm, on porcelain.
+    """
+    document = Document.new("sheet:110x20", 0.4, material="porcelain")
+    way = np.stack([np.linspace(-45.0, 45.0, 90), np.zeros(90)], axis=1)
+    way = np.round((way + np.random.default_rng(1).normal(0.0, 0.15, way.shape)) / 0.29) * 0.29
+    document.begin_stroke()
+    document.feed(draw(Hand(ClosestPoints(document.surface.source), settings), way))
+    document.end_stroke()
+    mark, step = take_mark(document.surface), 0.5
+    x, y = mark.points[:, 0], mark.points[:, 1]
+    inner = np.abs(x) < 35.0
+    place = np.floor((x[inner] + 35.0) / step).astype(int)
+    swings = []
+    for side in (y > 0.0, y < 0.0):
+        edge = np.bincount(place, (mark.areas * mark.cover * side)[inner]) / step
+        swings.append(np.abs(edge - savgol_filter(edge, 25, 3)))
+    return float(np.percentile(swings, 95.0))
+
+
+def test_the_edges_of_a_mouses_stroke_are_smooth() -> None:
+    as_at_first = HandSettings(mouse_smoothing=STEADY)
+    assert swing(as_at_first) < 0.1 < swing(HandSettings())
 
 
 def test_a_mouse_is_steady_at_first_and_as_it_was_left() -> None:
