@@ -136,9 +136,15 @@ def test_a_material_says_whether_ink_spreads_and_an_object_how_large_it_is(
     parent = QtWidgets.QWidget()
     dialog = NewDialog(parent, Settings())
     monkeypatch.setattr(settings, "WET_AT_FIRST", {"xuan"})
-    for material, words in (("sized xuan", "stays"), ("xuan", "spreads"), ("porcelain", "stays")):
+    dialog.choose("fan")
+    for material, words in (
+        ("sized xuan", "Ink stays where it is laid; it spreads on xuan paper"),
+        ("xuan", "Ink spreads on it"),
+    ):
         dialog.material.setCurrentIndex(dialog.material.findData(material))
-        assert words in dialog.wetness.text()
+        assert dialog.wetness.text() == words
+    dialog.choose("bowl")
+    assert dialog.wetness.text() == "Ink stays where it is laid"
     assert dialog.objects.item(0).text() == "Bowl\n150 × 68 mm"
     fan = dialog.sheets.item(list(FORMS).index("fan"))
     assert fan.text() == "Folding fan\n510 × 237 mm"

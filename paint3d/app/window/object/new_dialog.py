@@ -86,6 +86,7 @@ class NewDialog(FormDialog):
         self.form.addRow(say("Material"), self.material)
         self.wetness = QtWidgets.QLabel()
         self.wetness.setObjectName("faint")
+        self.wetness.setWordWrap(True)
         self.form.addRow("", self.wetness)
         self.resolution = self.add_number(say("Detail"), 0.05, 10.0, self._wanted, "mm", 2)
         self.resolution.setSingleStep(0.05)
@@ -198,10 +199,12 @@ class NewDialog(FormDialog):
         sheet = self._sheet()
         made_of = self.material.material()
         known = made_of if isinstance(made_of, Material) else load_material(made_of)
-        spreads = self._settings.wants_wet(known)
-        self.wetness.setText(
-            say("Ink spreads on it") if spreads else say("Ink stays where it is laid")
-        )
+        says = say("Ink stays where it is laid")
+        if self._settings.wants_wet(known):
+            says = say("Ink spreads on it")
+        elif sheet is not None and self._settings.wants_wet(load_material("xuan")):
+            says = say("Ink stays where it is laid; it spreads on xuan paper")
+        self.wetness.setText(says)
         self.fault.setText(self._error)
         self.form.setRowVisible(self.fault, bool(self._error))
         ok = self.buttons.button(QtWidgets.QDialogButtonBox.StandardButton.Ok)
