@@ -448,6 +448,12 @@ def test_a_preview_is_the_same_by_name_and_by_ink() -> None:
     assert (stroke_preview(brush, names) == stroke_preview(brush, inks)).all()
 
 
+def test_clear_water_is_drawn_as_a_wash() -> None:
+    pixels = stroke_preview(load_brush("dakai"), "water").astype(int)
+    sheet = pixels[0, 0]
+    assert 15 < np.abs(pixels - sheet).max() < 150
+
+
 def test_previews_that_fail_are_told_once_and_the_timer_rests(window, monkeypatch) -> None:
     def fail(brush, ink):
         raise ValueError("no preview today")

@@ -272,11 +272,13 @@ def test_e_turns_the_brush_into_an_eraser_and_back(window) -> None:
     before = ink(window)
     type_key(window.canvas, KEY.Key_E)
     wait_for(lambda: window.workspace.actions["erase"].isChecked())
+    assert window.hud.describe(window.workspace.painting.held).startswith("Eraser")
     drag(window.canvas, (0.5, 0.4), (0.5, 0.6))
     settled(window)
     erased = ink(window)
     assert erased < 0.95 * before
     type_key(window.canvas, KEY.Key_E)
+    assert window.hud.describe(window.workspace.painting.held).startswith("ink")
     drag(window.canvas, (0.4, 0.3), (0.6, 0.3))
     settled(window)
     assert ink(window) > erased

@@ -78,6 +78,17 @@ def test_a_click_of_a_mouse_is_a_dot_and_that_of_a_pen_what_it_pressed(plane):
         np.testing.assert_allclose(places(samples)[:, :2], [[3.0, 4.0]] * len(samples), atol=1e-6)
 
 
+def test_a_tap_that_takes_no_time_is_a_dot_as_large(plane):
+    pressures = []
+    for end in (11, 200):
+        hand = Hand(plane, HandSettings(mouse_smoothing=0.3))
+        samples = list(hand.begin(over(1, 3.0, 4.0), BRUSH))
+        samples += hand.end(end * MS, BRUSH, replace(over(1, 3.0, 4.0), time_ns=end * MS))
+        assert (np.diff([sample.time_ns for sample in samples]) > 0).all()
+        pressures.append(max(sample.pressure for sample in samples))
+    assert pressures[0] == pressures[1] > 0.1
+
+
 def test_the_brush_stands_on_the_normal_where_the_ray_meets_the_object(sphere):
     hand = Hand(sphere)
     event = PointerInput(MS, origin=(100, 20, 10), direction=(-1, 0, 0))
@@ -358,7 +369,7 @@ def test_a_mouse_comes_down_softly(plane):
     hand = Hand(plane, force=3.95)
     samples = draw(hand, [(k, 0) for k in range(12)])
     pressures = [s.pressure for s in samples[:-1]]
-    assert pressures[:4] == pytest.approx([0.0, 0.5 / 6, 1.0 / 6, 0.25])
+    assert pressures[:4] == pytest.approx([0.0, 11.0 / 72, 20.0 / 72, 27.0 / 72])
     assert pressures[7:] == pytest.approx([0.5] * 5)
 
 

@@ -472,6 +472,24 @@ def test_a_text_that_has_no_room_stays_where_it_was(window) -> None:
     assert text_of(window).point is None
 
 
+def test_a_signature_alone_has_room_to_be_moved_and_stays_one_column(program) -> None:
+    with opened(program, "fan:300x100:margin=5", 2.0, "xuan", drawn=False) as window:
+        answer(lambda dialog: (dialog.setTextValue("丙午年春山人書"), dialog.accept()))
+        window.workspace.actions["sign"].trigger()
+        wait_for(lambda: window.document.texts)
+        settled(window)
+        assert 7 * text_of(window).em_mm <= 45.0 + 1e-6
+        before = origins(window)
+        for away in ((30.0, 5.0, 0.0), (0.0, -28.0, 0.0)):  # there it fits; there only in two
+            start = origins(window)[3]
+            drag(window, pixel(window, start), pixel(window, start + np.array(away)))
+            settled(window)
+            assert window.panels.copybook.copybook.lines == "丙午年春山人書"
+        wait_for(lambda: "no room" in window.status.message_label.text())
+        assert origins(window)[3, 0] > before[3, 0] + 25.0
+        pretend_saved(window.stage.paint_thread)
+
+
 def test_rows_are_laid_at_once_and_what_is_too_large_at_the_size_that_fits(window) -> None:
     lay(window, "永和九年", 20.0)
     window.panels.copybook.text.setPlainText("松竹")  # typed for another text

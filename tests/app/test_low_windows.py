@@ -131,3 +131,13 @@ def test_a_wheel_that_scrolls_a_panel_changes_no_number_in_it(window) -> None:
     wait_for(number.hasFocus)
     turn_wheel(number)
     assert number.value() != before
+
+
+def test_brushes_have_room_again_where_another_panel_was_shown(window) -> None:
+    window.resize(1280, 800)
+    brushes = window.panels.brushes._list
+    for text in ("Inks", "Hand", "Brushes"):
+        click_tab(window, text)
+        live(0.1)
+    assert brushes.viewport().height() >= 7.5 * brushes.sizeHintForRow(0)
+    window.panels.docks["inks"].raise_()

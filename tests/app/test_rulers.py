@@ -1,4 +1,4 @@
-"""Rulers that lead strokes, and what steadies a mouse: straight, around, along the profile."""
+"""Rulers that lead strokes: straight, around, along the profile; a mouse steadied and pressed."""
 
 from __future__ import annotations
 
@@ -8,15 +8,19 @@ import pytest
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
 
 from PySide6 import QtCore
+from scipy.signal import savgol_filter
 
+from paint3d.app.model.document import Document
 from paint3d.app.model.input.hand import Hand, HandSettings
 from paint3d.app.model.persistence.settings import Settings
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.pose.brush_pose import object_poses
 from tests.app.test_hand import draw, places
 from tests.support.app.gestures import BUTTON, KIND, mouse, type_key, wait_for
+from tests.support.app.marks import take_mark
 from tests.support.app.windows import opened, settled
 
 KEY = QtCore.Qt.Key
@@ -58,9 +62,38 @@ def test_a_mouse_is_steadied_and_tapers_at_both_ends(plane) -> None:
     falls = pressures[-12:]
     assert (np.diff(falls) <= 1e-9).all()
     assert 0.0 < falls[4] < full
+    assert (np.diff(falls[:-1], 2) <= 1e-9).all()  # rounded: no corner where it begins to fall
+    assert falls[6] > 0.5 * full
     pens = [draw(Hand(plane, settings), way, pressure=0.5) for settings in
             (HandSettings(), HandSettings(mouse_smoothing=STEADY))]  # fmt: skip
     np.testing.assert_array_equal(places(pens[0]), places(pens[1]))
+
+
+def swing(settings: HandSettings) -> float:
+    """How far the edges of a mouse's stroke leave smooth curves, mm, in all but a twentieth of it.
+
+    Of a hand that trembles, told in whole pixels of .29 mm, on porcelain.
+    """
+    document = Document.new("sheet:110x20", 0.4, material="porcelain")
+    way = np.stack([np.linspace(-45.0, 45.0, 90), np.zeros(90)], axis=1)
+    way = np.round((way + np.random.default_rng(1).normal(0.0, 0.15, way.shape)) / 0.29) * 0.29
+    document.begin_stroke()
+    document.feed(draw(Hand(ClosestPoints(document.surface.source), settings), way))
+    document.end_stroke()
+    mark, step = take_mark(document.surface), 0.5
+    x, y = mark.points[:, 0], mark.points[:, 1]
+    inner = np.abs(x) < 35.0
+    place = np.floor((x[inner] + 35.0) / step).astype(int)
+    swings = []
+    for side in (y > 0.0, y < 0.0):
+        edge = np.bincount(place, (mark.areas * mark.cover * side)[inner]) / step
+        swings.append(np.abs(edge - savgol_filter(edge, 25, 3)))
+    return float(np.percentile(swings, 95.0))
+
+
+def test_the_edges_of_a_mouses_stroke_are_smooth() -> None:
+    as_at_first = HandSettings(mouse_smoothing=STEADY)
+    assert swing(as_at_first) < 0.1 < swing(HandSettings())
 
 
 def test_a_mouse_is_steady_at_first_and_as_it_was_left() -> None:
@@ -132,3 +165,21 @@ def test_u_switches_the_ruler_on_and_off(bowl) -> None:
     wait_for(lambda: bowl.hand.settings.ruler != "none")
     type_key(bowl.canvas, KEY.Key_U)
     wait_for(lambda: bowl.hand.settings.ruler == "none")
+
+
+def test_a_mouse_presses_as_the_panel_says_and_the_panel_says_as_it_presses(bowl) -> None:
+    panel, before = bowl.panels.hand, bowl.hand.force
+    bowl.hand.set_settings(landing_s=0.0)  # the mouse is led at once
+    try:
+        panel.force.setValue(60)
+        lead(bowl, (0.45, 0.4), (0.55, 0.5))
+        (stroke,) = bowl.document.strokes
+        assert max(sample.pressure for sample in stroke.samples) == pytest.approx(0.6)
+        panel.by_speed.setChecked(True)
+        assert bowl.hand.settings.pressure_by == bowl.workspace.settings.pressure_by == "speed"
+        bowl.hand.set_force(0.2 * MAX_FORCE_N)  # as a wheel, a key or a drag has it
+        wait_for(lambda: panel.force.value() == 20)
+    finally:
+        panel.by_speed.setChecked(False)
+        bowl.hand.set_settings(landing_s=HandSettings().landing_s)
+        bowl.hand.set_force(before)

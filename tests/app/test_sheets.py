@@ -94,6 +94,16 @@ def test_a_scroll_is_chosen_sized_mounted_and_painted(window, tmp_path: Path) ->
     np.testing.assert_array_equal(opened.srgb, surface.srgb)
 
 
+def test_what_there_is_to_choose_from_is_said_whole(window) -> None:
+    dialog = NewDialog(window, Settings())
+    for pictures in (dialog.sheets, dialog.objects):
+        wide = pictures.fontMetrics().horizontalAdvance
+        for row in range(pictures.count()):
+            words = pictures.item(row).text().split("\n")
+            assert max(map(wide, words)) + 8 <= pictures.gridSize().width(), words
+    dialog.deleteLater()
+
+
 def test_a_round_fan_has_one_size_and_is_of_silk(window) -> None:
     def fill(dialog: NewDialog) -> None:
         click_picture(dialog.sheets, "Round fan")
@@ -126,9 +136,15 @@ def test_a_material_says_whether_ink_spreads_and_an_object_how_large_it_is(
     parent = QtWidgets.QWidget()
     dialog = NewDialog(parent, Settings())
     monkeypatch.setattr(settings, "WET_AT_FIRST", {"xuan"})
-    for material, words in (("sized xuan", "stays"), ("xuan", "spreads"), ("porcelain", "stays")):
+    dialog.choose("fan")
+    for material, words in (
+        ("sized xuan", "Ink stays where it is laid; it spreads on xuan paper"),
+        ("xuan", "Ink spreads on it"),
+    ):
         dialog.material.setCurrentIndex(dialog.material.findData(material))
-        assert words in dialog.wetness.text()
+        assert dialog.wetness.text() == words
+    dialog.choose("bowl")
+    assert dialog.wetness.text() == "Ink stays where it is laid"
     assert dialog.objects.item(0).text() == "Bowl\n150 × 68 mm"
     fan = dialog.sheets.item(list(FORMS).index("fan"))
     assert fan.text() == "Folding fan\n510 × 237 mm"

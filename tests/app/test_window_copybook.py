@@ -14,6 +14,7 @@ pytest.importorskip("svgelements", reason="svgelements is not installed")
 from PIL import Image
 from PySide6 import QtGui, QtTest, QtWidgets
 
+from paint3d.app.window.seal import SealDialog, SealOptions
 from paint3d.app.window.wording import choose_language
 from paint3d.calligraphy.fonts.font_file import fonts_with
 from paint3d.calligraphy.page.strokes_file import save_strokes
@@ -101,6 +102,17 @@ def test_characters_that_are_taken_from_a_font_are_told(window, panel, system_fo
     wait_for(lambda: panel.copybook is not None)
     assert [ghost.text for ghost in panel.copybook.ghosts] == ["漫", "步"]
     assert "步 taken from the font Test Kai" in window.status.message_label.text()
+
+
+def test_a_seal_says_which_characters_are_from_a_font(window, system_fonts) -> None:
+    system_fonts.add("Test Kai", "步")
+    dialog = SealDialog(window, SealOptions("漫步"))
+    dialog.show()
+    wait_for(lambda: not dialog.picture.pixmap().isNull())
+    assert dialog.note.text() == "16 mm × 16 mm; 步 taken from the font Test Kai"
+    dialog.text.setText("漫")
+    wait_for(lambda: dialog.note.text() == "16 mm × 16 mm")
+    dialog.close()
 
 
 @pytest.mark.parametrize(

@@ -183,6 +183,18 @@ def test_a_stroke_takes_another_time(window) -> None:
     assert window.document.strokes[3].duration_s == pytest.approx(3.0)
 
 
+def test_a_history_that_becomes_lower_shows_where_the_painting_is(window) -> None:
+    rows = window.panels.history.list
+    window.panels.docks["history"].raise_()
+    live(0.05)
+    rows.scrollToTop()
+    before = rows.maximumHeight()
+    rows.setMaximumHeight(6 + 2 * rows.sizeHintForRow(0))
+    last = rows.item(len(window.document.strokes) - 1)
+    wait_for(lambda: rows.viewport().rect().contains(rows.visualItemRect(last).center()), 10.0)
+    rows.setMaximumHeight(before)
+
+
 def test_the_button_edits_the_stroke_that_is_shown_last(window) -> None:
     panel = window.panels.history
     window.panels.docks["history"].raise_()

@@ -84,7 +84,9 @@ class Hud:
         canvas.update(0, canvas.height() - high, canvas.width(), high)
 
     def describe(self, held: HeldInk) -> str:
-        """How much of which inks the brush holds, in words."""
+        """How much of which inks the brush holds, in words, or that it erases."""
+        if self._workspace.hand.erases:
+            return say("Eraser: E puts ink on again")
         ink = say("ink {share:.0f} %", share=100 * held.fraction)
         if not held.parts:
             return ink

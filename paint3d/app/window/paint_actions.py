@@ -104,6 +104,7 @@ class PaintActions:
     def do_erase(self, on: bool) -> None:
         """Take paint off with the brush, or put ink on again."""
         self._workspace.hand.erases = on
+        self._workspace.canvas.update()  # its plate says so
         self._workspace.tell(
             say("The brush takes paint off the layer; E puts ink on again")
             if on

@@ -166,7 +166,8 @@ class Panels:
         self.layers.asked.connect(self._ask_layers)
         self.layers.turned.connect(self._turn)
         self.history.reported.connect(self._workspace.tell)
-        self.hand.read.connect(lambda changes: self._workspace.hand.set_settings(**changes))
+        self.hand.read.connect(self._read_hand)
+        self.hand.pressed.connect(self._workspace.hand.set_force)
         self.hand.curve.changed.connect(self._keep_curve)
         self.hand.ruled.connect(lambda on: self._workspace.actions["ruler"].setChecked(on))
 
@@ -201,6 +202,12 @@ class Panels:
         if done is None or done.done():
             asked = getattr(layers[now].group if of_group else layers[now], flag)
         self._turned[what, name, now] = not asked, paint_thread.post(what, now, not asked)
+
+    def _read_hand(self, changes: dict[str, Any]) -> None:
+        """Read the hand otherwise; what gives a mouse's pressure is among the preferences, too."""
+        self._workspace.hand.set_settings(**changes)
+        if "pressure_by" in changes:
+            self._workspace.update_settings(**changes)
 
     def _keep_curve(self, curve: PressureCurve) -> None:
         self._workspace.settings = dataclasses.replace(
@@ -342,6 +349,8 @@ def _needed(dock: QtWidgets.QDockWidget) -> int:
     assert content is not None, "each panel was put into its dock"
     if isinstance(content, InkPanel):
         return content.height_with_dishes(dock.width())
+    if isinstance(content, BrushPanel):
+        return content.height_with_brushes()
     wide = content.heightForWidth(dock.width())
     return wide if wide > 0 else content.sizeHint().height()
 

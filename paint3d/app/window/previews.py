@@ -19,6 +19,7 @@ from paint3d.view.brush_shape import draw_stroke
 __all__ = ["Ink", "ink_coat", "ink_swatch", "sorted_parts", "stroke_preview"]
 
 Ink = str | Pigment
+_WASH = (("pine soot", 0.02), (WATER.name, 0.98))
 
 
 def stroke_preview(brush: BrushSpec, ink: Ink | Mapping[Ink, float]) -> NDArray[np.uint8]:
@@ -31,8 +32,11 @@ def stroke_preview(brush: BrushSpec, ink: Ink | Mapping[Ink, float]) -> NDArray[
     brush : BrushSpec
     ink : str, Pigment, or mapping of these to parts
         By name from the palette, or an ink itself, as one that was picked up from the object.
+        Clear water, which leaves nothing, is drawn as a wash that shows what the brush wets.
     """
-    return _stroke(brush, sorted_parts(ink))
+    parts = sorted_parts(ink)
+    is_clear = all(_name(part) == WATER.name for part, _ in parts)
+    return _stroke(brush, _WASH if is_clear else parts)
 
 
 def sorted_parts(ink: Ink | Mapping[Ink, float]) -> tuple[tuple[Ink, float], ...]:

@@ -16,9 +16,18 @@ from paint3d.app.window.font_box import FontBox
 from paint3d.app.window.forms import FormDialog
 from paint3d.app.window.hand.canvas import Touch
 from paint3d.app.window.job import JobProgress
-from paint3d.app.window.wording import say, say_error, say_length
+from paint3d.app.window.wording import say, say_error, say_fonts, say_length
 from paint3d.app.window.workspace import Workspace
-from paint3d.calligraphy.seal.stone import LARGEST_MM, MOST_CHARACTERS, SMALLEST_MM, Seal, cut_seal
+from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, with_fallback
+from paint3d.calligraphy.glyph_sources import open_glyphs
+from paint3d.calligraphy.seal.stone import (
+    LARGEST_MM,
+    MOST_CHARACTERS,
+    SMALLEST_MM,
+    Seal,
+    cut_known,
+    cut_seal,
+)
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import Paint3DError
 from paint3d.mesh.chart import frame_at
@@ -35,6 +44,7 @@ _LOOK_MS = 40
 _PATIENCE_S = 1.0  # that the window waits for a step of the painting
 _RIM_POINTS = 12  # along a side of it
 _LIFT_MM = 0.1  # of the outline above the surface
+_Cut = tuple[Seal, dict[str, str]]
 _PAPER, _CINNABAR = (243, 240, 230), (178, 44, 34)
 
 
@@ -76,7 +86,7 @@ class SealDialog(FormDialog):
         super().__init__(parent, say("Press a seal…").rstrip("…"))
         self._glyphs = glyphs
         self._shown: SealOptions | None = None
-        self._cutting: Future[Seal] | None = None
+        self._cutting: Future[_Cut] | None = None
         self.picture = QtWidgets.QLabel()
         self.picture.setFixedSize(_PICTURE + 60, _PICTURE + 8)
         self.picture.setAlignment(QtCore.Qt.AlignmentFlag.AlignCenter)
@@ -157,15 +167,16 @@ class SealDialog(FormDialog):
                 target=_cut_beside, args=work, name="paint3d-seal", daemon=True
             ).start()
 
-    def _show(self, done: Future[Seal]) -> None:
+    def _show(self, done: Future[_Cut]) -> None:
         error = done.exception()
         if error is not None:
             self.picture.setPixmap(QtGui.QPixmap())
             self.note.setText(say_error(error) if isinstance(error, Paint3DError) else "")
             return
-        seal = done.result()
+        seal, from_fonts = done.result()
         self.picture.setPixmap(seal_picture(seal, _PICTURE))
-        self.note.setText(f"{say_length(seal.width_mm)} × {say_length(seal.height_mm)}")
+        size = f"{say_length(seal.width_mm)} × {say_length(seal.height_mm)}"
+        self.note.setText(say("; ").join([size, *say_fonts(from_fonts)]))
 
 
 def _proposed_seal(kept: SealOptions, name: str, size_mm: float) -> SealOptions:
@@ -179,17 +190,19 @@ def _proposed_seal(kept: SealOptions, name: str, size_mm: float) -> SealOptions:
     return kept._replace(text=name, drawing="", size_mm=size)
 
 
-def _cut(asked: SealOptions, glyphs: str) -> Seal:
-    """The seal that is asked for."""
-    text = None if asked.drawing else asked.text
-    folder, font = glyphs or None, asked.font or None
-    return cut_seal(
-        text, asked.drawing or None, asked.style, asked.size_mm,
-        shape=asked.shape, font=font, glyphs=folder,
-    )  # fmt: skip
+def _cut(asked: SealOptions, glyphs: str) -> _Cut:
+    """The seal that is asked for, and its characters that fonts stand in for, by their names."""
+    how = asked.style, asked.size_mm
+    if asked.drawing:
+        return cut_seal(None, asked.drawing, *how), {}
+    if asked.font:
+        return cut_seal(asked.text, None, *how, shape=asked.shape, font=asked.font), {}
+    source = with_fallback(open_glyphs(glyphs or None), asked.text)
+    taken = source.characters if isinstance(source, FallbackGlyphs) else {}
+    return cut_known(asked.text, source, *how, asked.shape), taken
 
 
-def _cut_beside(asked: SealOptions, glyphs: str, done: Future[Seal]) -> None:
+def _cut_beside(asked: SealOptions, glyphs: str, done: Future[_Cut]) -> None:
     try:
         done.set_result(_cut(asked, glyphs))
     except Exception as error:
@@ -269,7 +282,7 @@ class Sealing(QtCore.QObject):
         done = workspace.run(say("Cutting the seal…"), lambda _: _cut(asked, glyphs))
         if workspace.went_well(done):
             self._moved = None
-            self._take_up(done.result(), proposed)
+            self._take_up(done.result()[0], proposed)
 
     def edit(self, what: str, index: int) -> None:
         """Move a seal that was pressed, press it in the ink in hand, or delete it.

@@ -182,8 +182,9 @@ class StudioWindow(QtWidgets.QMainWindow):
             mouse_smoothing=settings.mouse_steadiness,
             pressure_by=settings.pressure_by,
         )
-        self.hand.first_force = settings.force_n
+        self.hand.set_force(settings.force_n)
         self.panels.hand.show_settings(self.hand.settings)
+        self.panels.hand.show_force(self.hand.force)
         self.resize(first_size(self))
         restore_window(self, settings.window)
 
@@ -304,6 +305,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.player.tick()
         self.copying.follow()
         self.mark.follow()
+        self.panels.hand.show_force(self.hand.force)
         if self.panels.show_brush_asked(
             self.stage.paint_thread.brush
         ):  # also while it is still to come

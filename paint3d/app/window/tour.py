@@ -99,7 +99,8 @@ class Tour(QtWidgets.QFrame):
             _TourStep(
                 say(
                     "Take another ink: a click on a dish of Inks. V held and a drag waters it, "
-                    "F held and a drag changes the brush's size."
+                    "F held and a drag changes the brush's size, with Shift how hard a mouse "
+                    "presses."
                 ),
                 lambda: list(workspace.painting.inks) != list(painting.inks),
             ),

@@ -112,6 +112,7 @@ class ViewActions:
         before, chosen = workspace.settings, dialog.chosen()
         workspace.update_settings(**chosen)
         workspace.hand.set_settings(pressure_by=chosen["pressure_by"])
+        self._panels.hand.show_settings(workspace.hand.settings)
         workspace.canvas.finger = workspace.settings.finger
         choose_unit(workspace.settings.unit)
         self._panels.show_unit()

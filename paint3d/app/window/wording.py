@@ -231,6 +231,14 @@ def say_brush(name: str) -> str:
     return say(_BRUSHES[name]) if name in _BRUSHES and name in brush_names() else name
 
 
+def say_fonts(characters: Mapping[str, str]) -> list[str]:
+    """Which characters fonts of the system stand in for, by the fonts' names."""
+    return [
+        say("{characters} taken from the font {font}", characters=taken, font=font)
+        for font, taken in characters.items()
+    ]
+
+
 def say_purpose(name: str) -> str:
     """What a brush that comes along is for; empty of one's own."""
     return say(_PURPOSES[name]) if name in _PURPOSES and name in brush_names() else ""

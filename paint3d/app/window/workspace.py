@@ -202,8 +202,7 @@ class Workspace(QtCore.QObject):
         if self.stage.paint_thread is None:
             return
         chosen = in_hand(self.paint_thread.brush, list[Any](self.painting.inks))
-        force = self.hand.hand.force if self.hand.hand is not None else self.settings.force_n
-        self.settings = dataclasses.replace(self.settings, **chosen, force_n=force)
+        self.settings = dataclasses.replace(self.settings, **chosen, force_n=self.hand.force)
 
     def wants_dark(self) -> bool:
         """Whether the settings ask for the dark theme."""

@@ -466,10 +466,13 @@ class Hand:
         if state is None or state.began_ns is None:
             return []
         if event is not None and event.pressure is None and len(self._waiting) == 1:
-            # a mouse that stands says nothing until its button is let go: a click is a dot
+            # a mouse that stands says nothing until its button is let go: a click is a dot, and
+            # that of a tap on a touchpad, which takes no time, is no smaller
             state.sent_ns = max(event.time_ns, state.sent_ns + _STEP_NS)
+            landed_ns = state.began_ns + round(1e9 * self.settings.landing_s)
+            landed = replace(event, time_ns=max(event.time_ns, landed_ns))
             pressed = replace(
-                self._waiting[0], time_ns=state.sent_ns, pressure=self._pressure(event)
+                self._waiting[0], time_ns=state.sent_ns, pressure=self._pressure(landed)
             )
             self._waiting.append(pressed)
         samples = self._land(brush) + self._glide(brush)
@@ -763,7 +766,7 @@ class Hand:
             state.sent_ns += max(step_ns, _STEP_NS)
             stand = replace(
                 self._latest, time_ns=state.sent_ns, point=state.point, normal=state.normal,
-                pressure=pressure if state.has_pressure else pressure * (1.0 - k / n),
+                pressure=pressure if state.has_pressure else pressure * _eased(1.0 - k / n),
             )  # fmt: skip
             self._drag(stand, brush)
             samples.append(self._sample(stand, brush))
@@ -797,7 +800,7 @@ class Hand:
             began_ns = event.time_ns if state.began_ns is None else state.began_ns
             since = (event.time_ns - began_ns) * 1e-9
             if since < settings.landing_s:
-                pressure *= since / settings.landing_s
+                pressure *= _eased(since / settings.landing_s)
         return pressure
 
     def _trail(self, brush: BrushSpec) -> float:
@@ -827,6 +830,15 @@ class Hand:
             _REST,
             stand.point,
         )
+
+
+def _eased(share: float) -> float:
+    """How much of a pressure a mouse has that comes down or goes up, 0 to 1.
+
+    It changes fastest where the tuft is hardly down, and has no corner where it is: an end is round
+    as a tuft's print, not cut to a point like a pencil.
+    """
+    return share * (2.0 - share)
 
 
 def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:

@@ -33,6 +33,7 @@ __all__ = ["BrushPanel", "pixmap_of", "plain_icon", "plain_name"]
 _ICON = QtCore.QSize(132, 42)
 _SHORTEST_MM, _LONGEST_MM = 5.0, 200.0  # the slider's ends
 _FAVOURITES = 0  # in the place of a folder's name
+_SEEN_ROWS = 8  # of brushes, where there is room for them
 _SETTLE_MS = 160  # a new size is taken when the slider has stood so long
 
 
@@ -323,6 +324,11 @@ class BrushPanel(QtWidgets.QWidget):
     def _name(self, row: int) -> str:
         result: str = self._list.item(row).data(QtCore.Qt.ItemDataRole.UserRole)
         return result
+
+    def height_with_brushes(self) -> int:
+        """The height at which eight brushes are seen, or all there are."""
+        rows = min(_SEEN_ROWS, self._list.count()) * max(self._list.sizeHintForRow(0), 0)
+        return self.sizeHint().height() - self._list.sizeHint().height() + rows
 
     def _item_chosen(self, item: QtWidgets.QListWidgetItem) -> None:
         self.chosen.emit(self._brushes[item.data(QtCore.Qt.ItemDataRole.UserRole)])

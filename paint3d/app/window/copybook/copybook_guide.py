@@ -31,11 +31,11 @@ from paint3d.app.window.copybook.text_moving import HeldText, TextMover
 from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.seal import ProposedSeal
-from paint3d.app.window.wording import say, say_brush, say_error, say_length
+from paint3d.app.window.wording import say, say_brush, say_error, say_fonts, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.composition import compose, seal_below, sign_beside
-from paint3d.calligraphy.layout import Layout
+from paint3d.calligraphy.layout import LEAST_EM_MM, Layout
 from paint3d.calligraphy.page.opening import opened_page
 from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.core.arrays import AnyArray
@@ -55,6 +55,7 @@ _SIGNATURE_EM_MM = 15.0  # where there is no text that it belongs to
 _NAMELESS = "□□"  # where a name goes that is not known
 _USUAL_SIGNATURE = 7  # characters: a year, a season, a name
 _BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # values that let a text fill no sheet
+_MOVES = {"point", "turn"}
 _CHOICES = {"around", "order"}  # where one does not fit, a size that does is offered
 _BREAK_ANEW = {"grid", *_CHOICES}  # values with which the text's lines may break otherwise
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
@@ -166,7 +167,8 @@ class CopybookGuide:
         if not agreed or not text.strip():
             return
         workspace.update_settings(signer=signer_in(text))
-        signature = LaidText(text.strip(), _SIGNATURE_EM_MM, grid="none", is_signature=True)
+        em_mm = self._signature_em_mm("".join(text.split()))
+        signature = LaidText(text.strip(), em_mm, grid="none", is_signature=True)
         texts = self._workspace.painting.texts
         mains = [one for one in texts if one.text.strip() and not one.is_signature]
         if self._active is not None and self._active < len(texts):
@@ -175,6 +177,14 @@ class CopybookGuide:
             signature = self._beside(mains[-1], text.strip())
         if self._put(signature, None) and signature.point is None:
             self.mover.begin()
+
+    def _signature_em_mm(self, words: str) -> float:
+        """The size of a signature without a text; it takes half of a sheet's height at most."""
+        sheet = sheet_of(self._workspace.painting.source)
+        if sheet is None:
+            return _SIGNATURE_EM_MM
+        half = 0.5 * (sheet.height_mm - 2.0 * sheet.margin_mm)
+        return min(_SIGNATURE_EM_MM, max(LEAST_EM_MM, float(f"{half / len(words):.2g}")))
 
     def signature(self) -> ProposedSeal | None:
         """The seal of who signed, below the signature; None without a text."""
@@ -200,7 +210,7 @@ class CopybookGuide:
         signature = LaidText(words, main.em_mm, main.font, main.order, turn=main.turn,
                              grid="none", is_signature=True)  # fmt: skip
         if book is None:
-            return signature.moved(em_mm=_SIGNATURE_EM_MM)
+            return signature.moved(em_mm=self._signature_em_mm("".join(words.split())))
         count = len("".join(words.split()))
         beside = sign_beside(self._workspace.painting.source, book.squares, count, main.order)
         found = self._workspace.hand.surface.find(beside.point[None]).points[0].tolist()
@@ -277,7 +287,8 @@ class CopybookGuide:
             self._workspace.tell(say_error(error), state="bad")
             return
         if self._active is not None:
-            if not self._put(laid, self._active, quiet=_CHOICES.isdisjoint(values)):
+            moves = values.keys() <= _MOVES
+            if not self._put(laid, self._active, quiet=_CHOICES.isdisjoint(values), moves=moves):
                 self._show_active()
             return
         page = held.book.page
@@ -351,10 +362,13 @@ class CopybookGuide:
         workspace = self._workspace
         return Copybook.of(workspace.painting.source, laid, workspace.settings.glyphs or None)
 
-    def _put(self, laid: LaidText, number: int | None, *, quiet: bool = False) -> bool:
+    def _put(
+        self, laid: LaidText, number: int | None, *, quiet: bool = False, moves: bool = False
+    ) -> bool:
         """Lay a text in the place of one, or beside those there are; whether that went well.
 
-        One that would fit at a smaller size is laid at that size if this is agreed to.
+        One that would fit at a smaller size is laid at that size if this is agreed to. One that
+        moves breaks nowhere else than it did: without room for its one column it stays.
         """
         workspace = self._workspace
         texts = workspace.painting.texts
@@ -379,6 +393,9 @@ class CopybookGuide:
         book: Copybook = done.result()
         old = None if number is None or number >= len(texts) else texts[number]
         before = None if old is None else self._books.get(old)
+        if moves and before is not None and book.lines != before.lines:
+            workspace.tell(say("There is no room for the text there; make it smaller"), state="bad")
+            return False
         if old is not None and before is not None and old.moved(grid=laid.grid) == laid:
             book.go_on_from(before)
         else:
@@ -419,11 +436,7 @@ class CopybookGuide:
         )
 
     def _tell_fonts(self, book: Copybook, note: str = "", state: str = "off") -> None:
-        taken = [
-            say("{characters} taken from the font {font}", characters=text, font=font)
-            for font, text in book.from_fonts.items()
-        ]
-        message = say("; ").join([*taken, *filter(None, [note])])
+        message = say("; ").join([*say_fonts(book.from_fonts), *filter(None, [note])])
         if message:
             self._workspace.tell(message, state=state)
 

@@ -16,6 +16,7 @@ from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
 from paint3d.app.window.hand.canvas import CanvasWidget, Touch
 from paint3d.app.window.stage import Stage
 from paint3d.core.arrays import AnyArray
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.sample import DeviceSample
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.view.camera import Camera, View, fit_camera, is_flat, picture_axes, studio_axes
@@ -67,7 +68,7 @@ class CanvasHand(QtCore.QObject):
         self._whole: Camera | None = None
         self.hand: Hand | None = None
         self.settings = HandSettings()
-        self.first_force = 1.5  # N, of a mouse
+        self._first_force = 1.5  # N, of a mouse
         self.in_stroke = False
         self.held: set[str] = set()
         self.adjusted = False
@@ -103,13 +104,23 @@ class CanvasHand(QtCore.QObject):
         assert self.hand is not None, "something is open"
         return self.hand
 
+    @property
+    def force(self) -> float:
+        """How hard a mouse presses, N."""
+        return self._first_force if self.hand is None else self.hand.force
+
+    def set_force(self, newtons: float) -> None:
+        """Have a mouse press so hard, as far as a brush can be pressed."""
+        self._first_force = min(MAX_FORCE_N, max(0.0, newtons))
+        if self.hand is not None:
+            self.hand.force = self._first_force
+
     # -- the view ---------------------------------------------------------------------------
 
     def open(self, surface: ClosestPoints) -> None:
         """Take another object in hand, the one on stage."""
         self._surface = surface
-        force = self.hand.force if self.hand is not None else self.first_force
-        self.hand = Hand(surface, self.settings, force)
+        self.hand = Hand(surface, self.settings, self.force)
         self.in_stroke = self._spent = False
         self._place = None
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
@@ -291,8 +302,7 @@ class CanvasHand(QtCore.QObject):
         elif "lamp" in self.held:
             self.lamp_turned.emit(pixels)
         else:
-            hand = self._open_hand
-            hand.force = min(7.9, max(0.0, hand.force + _FORCE_A_PIXEL * pixels))
+            self.set_force(self.force + _FORCE_A_PIXEL * pixels)
 
     def _input(self, touch: Touch) -> PointerInput:
         ray = navigation.ray_at(self.open_camera, touch.x, touch.y, self._size())

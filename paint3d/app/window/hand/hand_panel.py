@@ -10,6 +10,7 @@ from paint3d.app.model.input.hand import HandSettings
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.app.window.theme import Theme
 from paint3d.app.window.wording import say
+from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import InputError, Message
 
 __all__ = ["CurveEditor", "HandPanel"]
@@ -129,6 +130,8 @@ class HandPanel(QtWidgets.QWidget):
     -------
     read : dict
         Changes of `HandSettings` by name.
+    pressed : float
+        How hard a mouse presses, N.
     ruled : bool
         Whether strokes are led by a ruler from now on.
     turns : int
@@ -137,6 +140,7 @@ class HandPanel(QtWidgets.QWidget):
     """
 
     read = QtCore.Signal(object)
+    pressed = QtCore.Signal(float)
     ruled = QtCore.Signal(bool)
     turns = QtCore.Signal(int)
     mask_degrees = QtCore.Signal(float)
@@ -160,6 +164,14 @@ class HandPanel(QtWidgets.QWidget):
         self.trail = self._slider(2, 40, lambda v: self.read.emit({"trail": v / 100}))
         self.mouse = self._slider(0, 100, lambda v: self.read.emit({"mouse_smoothing": v / 100}))
         self.mouse.setToolTip(say("At least so steady where nothing tells the pressure"))
+        self.force = self._slider(0, 100, lambda v: self.pressed.emit(0.01 * v * MAX_FORCE_N))
+        self.force.setToolTip(
+            say("How hard a mouse presses; so do the wheel in a stroke, and . and , held")
+        )
+        self.by_speed = QtWidgets.QCheckBox(say("Less where it is fast"))
+        self.by_speed.toggled.connect(
+            lambda on: self.read.emit({"pressure_by": "speed" if on else "keys"})
+        )
         self.ruler = QtWidgets.QComboBox()
         for kind, text in _RULER_NAMES.items():
             self.ruler.addItem(say(text), kind)
@@ -169,11 +181,14 @@ class HandPanel(QtWidgets.QWidget):
         for slider, name in (
             (self.smoothing, say("Steadiness")),
             (self.mouse, say("Steadiness of a mouse")),
+            (self.force, say("Press of a mouse")),
             (self.trail, say("Trail of the tuft")),
         ):
             slider.setAccessibleName(name)
         form.addRow(say("Steadiness"), self.smoothing)
         form.addRow(say("of a mouse"), self.mouse)
+        form.addRow(say("Press of a mouse"), self.force)
+        form.addRow("", self.by_speed)
         form.addRow(say("Ruler"), self.ruler)
         form.addRow(say("Trail of the tuft"), self.trail)
         self.count = QtWidgets.QSpinBox()
@@ -200,8 +215,16 @@ class HandPanel(QtWidgets.QWidget):
         ):
             with QtCore.QSignalBlocker(slider):
                 slider.setValue(round(100 * value))
+        with QtCore.QSignalBlocker(self.by_speed):
+            self.by_speed.setChecked(settings.pressure_by == "speed")
         self.curve.curve = settings.curve
         self.curve.update()
+
+    def show_force(self, newtons: float) -> None:
+        """Show how hard a mouse presses, whatever changed it."""
+        if not self.force.isSliderDown():
+            with QtCore.QSignalBlocker(self.force):
+                self.force.setValue(round(100.0 * newtons / MAX_FORCE_N))
 
     def _choose_ruler(self, _: int) -> None:
         kind = self.ruler.currentData()

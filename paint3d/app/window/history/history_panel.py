@@ -41,6 +41,12 @@ _LEAST_MS = 40  # a stroke is shown at least so long
 class _StrokeList(QtWidgets.QListWidget):
     """Rows that the right button does not choose: it opens a menu for one."""
 
+    def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
+        """Show where the painting is, also where it has become lower."""
+        super().resizeEvent(event)
+        if (item := self.currentItem()) is not None:
+            self.scrollToItem(item)
+
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Choose a row, but with the right button."""
         if event.button() == QtCore.Qt.MouseButton.RightButton:

@@ -26,7 +26,8 @@ from paint3d.view.preview import Preview
 __all__ = ["NewDialog"]
 
 _SMALL, _LARGE = 64, 300  # pixels
-_CELL = QtCore.QSize(114, 122)
+_CELL = QtCore.QSize(114, 122)  # or wider, by the longest words
+_BESIDE_WORDS = 14
 _SUITED = {"bowl": "porcelain", "plate": "porcelain", "vase": "porcelain", "sphere": "plaster",
            "plane": "xuan"}  # fmt: skip
 _LABELS = {
@@ -85,6 +86,7 @@ class NewDialog(FormDialog):
         self.form.addRow(say("Material"), self.material)
         self.wetness = QtWidgets.QLabel()
         self.wetness.setObjectName("faint")
+        self.wetness.setWordWrap(True)
         self.form.addRow("", self.wetness)
         self.resolution = self.add_number(say("Detail"), 0.05, 10.0, self._wanted, "mm", 2)
         self.resolution.setSingleStep(0.05)
@@ -132,7 +134,7 @@ class NewDialog(FormDialog):
         self.buttons = buttons(self, say("Begin"))
         whole.addWidget(self.buttons)
         room = self.screen().availableGeometry().size()
-        self.resize(QtCore.QSize(1080, 690).boundedTo(room))
+        self.resize(QtCore.QSize(1190, 690).boundedTo(room))
 
     def _chosen_in(
         self, pictures: _Pictures
@@ -197,10 +199,12 @@ class NewDialog(FormDialog):
         sheet = self._sheet()
         made_of = self.material.material()
         known = made_of if isinstance(made_of, Material) else load_material(made_of)
-        spreads = self._settings.wants_wet(known)
-        self.wetness.setText(
-            say("Ink spreads on it") if spreads else say("Ink stays where it is laid")
-        )
+        says = say("Ink stays where it is laid")
+        if self._settings.wants_wet(known):
+            says = say("Ink spreads on it")
+        elif sheet is not None and self._settings.wants_wet(load_material("xuan")):
+            says = say("Ink stays where it is laid; it spreads on xuan paper")
+        self.wetness.setText(says)
         self.fault.setText(self._error)
         self.form.setRowVisible(self.fault, bool(self._error))
         ok = self.buttons.button(QtWidgets.QDialogButtonBox.StandardButton.Ok)
@@ -245,10 +249,13 @@ class _Pictures(QtWidgets.QListWidget):
                 self.setCurrentRow(-1)
 
     def add(self, name: str, words: str) -> None:
-        """Add one; a sheet's picture is drawn at once."""
+        """Add one, with room for its words; a sheet's picture is drawn at once."""
         item = QtWidgets.QListWidgetItem(words)
         item.setData(_NAME, name)
-        item.setSizeHint(_CELL - QtCore.QSize(4, 4))
+        widest = max(map(self.fontMetrics().horizontalAdvance, words.split("\n")))
+        cell = self.gridSize().expandedTo(QtCore.QSize(widest + _BESIDE_WORDS, 0))
+        self.setGridSize(cell)
+        item.setSizeHint(cell - QtCore.QSize(4, 4))
         item.setTextAlignment(QtCore.Qt.AlignmentFlag.AlignHCenter)
         if is_sheet(name):
             usual = _usual(name)
