@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -126,6 +127,15 @@ def test_a_hand_stays_within_its_habits_and_goes_smoothly(amount: float, seed: i
 
 def test_without_variation_it_is_the_copybook_s() -> None:
     assert vary_motion(three_strokes(), MIDDLE, LETTER, 0.0, [1, 2]) is three_strokes()
+
+
+def test_a_large_character_shakes_no_more_often_than_a_small_one() -> None:
+    plan = three_strokes()
+    small = vary_motion(plan, MIDDLE, 40.0, 1.0, [3, 1])
+    slower = replace(plan, time_s=5.0 * plan.time_s)
+    large = vary_motion(slower, MIDDLE, 200.0, 1.0, [3, 1])
+    assert np.ptp(small.height[plan.stroke == 0]) > 0.05
+    np.testing.assert_allclose(large.height, small.height, atol=1e-9)
 
 
 class OneStroke:
