@@ -179,7 +179,12 @@ class PaintedSurface(InkStore):
         """Discard all water in motion."""
         self._water.drop()
 
-    def diffuse(self, seconds: float, step: float | None = None) -> None:
+    def diffuse(
+        self,
+        seconds: float,
+        step: float | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> None:
         """Advance time: wet ink spreads on an absorbent material, and dries.
 
         Parameters
@@ -187,6 +192,8 @@ class PaintedSurface(InkStore):
         seconds : float
         step : float, optional
             Longest step, s; by default as long as the motion allows.
+        progress : callable, optional
+            Called with the fraction of the work done, about: fresh ink, which runs, takes most.
 
         Raises
         ------
@@ -196,7 +203,7 @@ class PaintedSurface(InkStore):
         seconds = as_number(seconds, "seconds", 0.0)
         if step is not None:
             step = as_number(step, "step (s)", 1e-6)
-        self._water.advance(seconds, step)
+        self._water.advance(seconds, step, progress)
 
     def follow_time(self, seconds: float) -> bool:
         """Advance time interactively, or not at all until the water has caught up.
