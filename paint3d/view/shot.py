@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from itertools import chain
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -317,7 +317,7 @@ def _lit(lights: _Lights, moments: Iterable[Moment], gloss: Gloss) -> Iterator[N
 
 def _news(moments: Iterable[Moment]) -> Iterator[tuple[Moment, bool]]:
     """Moments, and whether each looks otherwise than the one before: a hand is often in the air."""
-    before: tuple[object, ...] | None = None
+    before: tuple[Any, ...] | None = None
     for moment in moments:
         parts = (moment.srgb, moment.turn, moment.roughness, *(moment.edges or ()))
         yield moment, before is None or not all(map(np.array_equal, parts, before))
