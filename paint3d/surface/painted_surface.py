@@ -70,6 +70,15 @@ class PaintedSurface(InkStore):
     ----------
     keeps_up : bool
         Whether the last call of `follow_time` kept up with the moving water.
+
+    Examples
+    --------
+    >>> import paint3d
+    >>> surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), 1.0, "xuan")
+    >>> line = paint3d.Painter(surface).stroke([(-20, 0, 0), (20, 0, 0)])
+    >>> surface.diffuse(10.0)  # the ink spreads
+    >>> surface.srgb.shape[1], int(surface.painted.sum()) > 100
+    (3, True)
     """
 
     def __init__(
