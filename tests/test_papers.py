@@ -48,7 +48,8 @@ NEEDED = {
 """What commands do not do without."""
 VALUES: dict[str, list[str]] = {
     "--azimuth": ["dragged"], "--brush": ["full"], "--film": ["a.gif"], "--glyphs": ["lines"],
-    "--hairs": ["300"], "--illuminant": ["A"], "--list": [], "--material": ["xuan"],
+    "--hairs": ["300"], "--hand-speed": ["2.5"], "--illuminant": ["A"], "--list": [],
+    "--material": ["xuan"],
     "--mouse-mode": ["camera"], "--on": ["bowl"], "--out": ["b.png"], "--pickup": ["0.1"],
     "--side": ["inside"], "--spread": ["20"], "--stylus": ["hid"],
     "--stylus-anticipation": ["4"], "--stylus-texture": ["0.5"], "--technique": ["pianfeng"],

@@ -336,6 +336,12 @@ def load_brush(name: str, *, own_files: bool = True) -> BrushSpec:
         If no brush has this name; the message lists the presets.
     BrushError
         If the file is invalid, or may not be read.
+
+    Examples
+    --------
+    >>> import paint3d
+    >>> paint3d.load_brush("full").length_mm
+    35.0
     """
     presets = load_presets()
     read = functools.partial(read_brush, presets=presets) if own_files else None

@@ -58,6 +58,7 @@ _ALONE, _PARTED = 0.6, 0.95  # of the size: one left in the last column; verses 
 _SIGNATURE, _OF_WIDTH = 0.35, 1.0 / 10.0  # of the characters' size, of the paper's width at most
 _SIGNED_COLUMN, _AWAY = 1.8, 0.9  # of a signature's characters: its column; from the text's ink
 _SIGNED_BETWEEN, _TO_SEAL, _SEAL = 0.0, 0.4, 0.85  # of a signature's characters
+_IN_MARGIN = 0.6  # of a couplet's margin: what a signature's column may take of it
 _SIGNED_LENGTH = 0.85  # of the text's columns, at most
 _LEAST_BELOW, _BELOW = 0.19, 0.35  # ems: a signature below the last column; from that to it
 _LEAST_SIGNATURE_MM, _LEAST_SHARE = 4.0, 0.1
@@ -333,10 +334,11 @@ def _on_rectangle(asked: _Asked, lines: list[str]) -> _Fit:
         if asked.signature and (n == 1 or _below_mm(em, asked.signature, blank) is None):
             size = _signature_mm(em, asked.signature, em * (rows + (rows - 1) * least))
             signature = asked.aside * min(size, _OF_WIDTH * min(sheet.size))
-            if asked.seal_alone:  # the other side is as wide
+            if in_halves:  # from the ink on it may lie in the margin; the other side is as wide
+                aside = signature - _BARE * em + bare[0] - _IN_MARGIN * margins[0]
+                signature = 2.0 * max(0.0, aside)
+            elif asked.seal_alone:  # likewise
                 signature *= 2.0
-            elif in_halves:  # likewise, and it may lie in the margin
-                signature = 2.0 * max(0.0, signature - 0.6 * margins[0])
             wide, gap, between = spaced(signature)
         free = wide - em * (n + (n - 1) * gap), long - em * (rows + (rows - 1) * between)
         shift = 0.0 if asked.seal_alone else 0.5 * signature

@@ -26,7 +26,8 @@ _STRETCH, _STROKE_STRETCH = 0.016, 0.022
 _SHIFT, _STROKE_SHIFT = 0.007, 0.006  # ems
 _PRESS, _STROKE_PRESS = 0.03, 0.07  # of the depth that the brush is pressed to
 _LEAN = 0.03  # rad, of the bend's direction, for each stroke
-_TREMOR, _TREMOR_S = 0.035, (0.9, 0.5, 0.28)  # of the depth; periods of its waves, s
+_TREMOR, _TREMOR_S = 0.035, (0.9, 0.5, 0.28)  # of the depth; periods of its waves, s, up to an em
+_TREMOR_MM = 40.0  # of so much; where a stroke is larger its waves are longer, and as few
 _MOST = 2.0  # standard deviations: a hand that is practised makes no slips
 
 
@@ -60,8 +61,9 @@ def vary_motion(
     ).reshape(-1, 2)
     handle = _transform(motion.handle, _blend_strokes(centres, motion.stroke), of_stroke, em_mm)
     handle = _transform(handle, middle, np.broadcast_to(own[0], of_stroke.shape), em_mm)
+    time_s = motion.time_s / max(1.0, em_mm / _TREMOR_MM)
     tremor = sum(
-        np.sin(2.0 * np.pi * (motion.time_s / period + phase))
+        np.sin(2.0 * np.pi * (time_s / period + phase))
         for period, phase in zip(_TREMOR_S, rng.random(len(_TREMOR_S)), strict=True)
     )
     depth = np.maximum(0.0, 1.0 + of_stroke[:, 5] + own[0, 5] + amount * _TREMOR * tremor)

@@ -110,7 +110,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "write --strokes`",
     )
     add_task_options(parser, material=_MATERIAL)
-    parser.set_defaults(size=_SIZE_MM, variation=0.0, seed=None)  # as the photograph has it
+    parser.set_defaults(
+        size=_SIZE_MM, variation=0.0, hand_speed=1.0, seed=None
+    )  # as the photograph has it
 
 
 def _parse_pixel(text: str) -> tuple[float, float]:

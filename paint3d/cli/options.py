@@ -55,6 +55,7 @@ __all__ = [
     "parse_count",
     "parse_gap",
     "parse_hairs",
+    "parse_hand_speed",
     "parse_length_mm",
     "parse_number",
     "parse_place",
@@ -343,6 +344,12 @@ def parse_variation(text: str) -> float:
     """Parse how much strokes vary, 0 to 3."""
     expected = "a number from 0, as the copybook, to 3"
     return parse_number(text, "variation", expected, lambda value: 0.0 <= value <= 3.0)
+
+
+def parse_hand_speed(text: str) -> float:
+    """How many times as fast as usual a hand writes, 1 to 4."""
+    expected = "how many times as fast as usual, 1 to 4"
+    return parse_number(text, "a hand's speed", expected, lambda value: 1.0 <= value <= 4.0)
 
 
 def parse_rate(text: str) -> float:

@@ -613,9 +613,11 @@ def paint_onto(
             told(end / n)
             first = end
         document.end_stroke()
+    with timed(seconds, "paint"):
         if wanted.spread is not None:
-            resting = progress if watch is None else watch.resting(progress)
-            _let_pass(document, round(min(wanted.spread, _LONGEST_S) / PIECE_S), resting)
+            with ProgressBar("spreading", enabled=not wanted.quiet) as progress:
+                resting = progress if watch is None else watch.resting(progress)
+                _let_pass(document, round(min(wanted.spread, _LONGEST_S) / PIECE_S), resting)
         over = fraction_over(document, before)  # before the report, which brings colours up to date
         counts = document.painter.report()
     counts["over_paint"] = round(over, 4)

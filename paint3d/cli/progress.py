@@ -47,6 +47,7 @@ class ProgressBar:
         self._started = time.monotonic()
         self._drawn = -_INTERVAL_S
         self._done: float | None = None
+        self._told = 0.0  # s after the start: when that much was done
         self._ticks = 0
         self._drawing = threading.Lock()
         self._over = threading.Event()
@@ -54,7 +55,9 @@ class ProgressBar:
 
     def __call__(self, fraction: float) -> None:
         """Show that this fraction, 0 to 1, is done."""
-        self._done = min(max(fraction, 0.0), 1.0)
+        done = min(max(fraction, 0.0), 1.0)
+        if done != self._done:
+            self._done, self._told = done, time.monotonic() - self._started
         if self._active and time.monotonic() - self._started - self._drawn >= _INTERVAL_S:
             self._draw()
 
@@ -78,13 +81,17 @@ class ProgressBar:
                 self._write(f"{_CLEAR}{self._label} [{bar}]{told}")
 
     def _tell(self) -> str:
-        """How much is done and how long it still takes, or how long it has taken."""
+        """How much is done and how long it still takes, or how long it has taken.
+
+        The time that is left runs down until more is told; when it is over, it is not known.
+        """
         elapsed, done = time.monotonic() - self._started, self._done
         if not done:
             return f" {elapsed:4.0f} s"
-        if done <= 0.02:
+        left = self._told / done - elapsed
+        if done <= 0.02 or left < 0.0:
             return f" {done:4.0%} {elapsed:4.0f} s"
-        return f" {done:4.0%} {elapsed * (1 - done) / done:4.0f} s left"
+        return f" {done:4.0%} {left:4.0f} s left"
 
     def _write(self, text: str) -> None:
         try:

@@ -33,6 +33,7 @@ from paint3d.cli.options import (
     group_of,
     parse_count,
     parse_gap,
+    parse_hand_speed,
     parse_length_mm,
     parse_turn,
     parse_variation,
@@ -142,6 +143,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: 1)",
     )
     add_seed_option(brush, "how strokes vary")
+    brush.add_argument(
+        "--hand-speed",
+        type=parse_hand_speed,
+        default=1.0,
+        metavar="X",
+        help="how many times as fast as usual the hand writes, 1 to 4: where a brush is fast it "
+        "leaves streaks bare (default: 1)",
+    )
 
 
 def add_task_options(parser: argparse.ArgumentParser, **unsaid: str) -> None:
@@ -655,4 +664,5 @@ def settings_of(options: argparse.Namespace) -> WritingSettings:
         planning,
         variation=options.variation,
         seed=1 if options.seed is None else options.seed,
+        haste=options.hand_speed,
     )

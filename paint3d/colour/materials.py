@@ -234,6 +234,12 @@ def load_material(name: str, *, own_files: bool = True) -> Material:
         If there is none; the message lists them.
     PigmentError
         If the file cannot be used, or may not be read.
+
+    Examples
+    --------
+    >>> import paint3d
+    >>> paint3d.load_material("xuan").pores_mm
+    0.06
     """
     materials = load_materials()
     read = partial(read_material, known=materials) if own_files else None

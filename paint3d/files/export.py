@@ -75,6 +75,16 @@ def export(
     ExportError
         If the suffix is not known, the format cannot do what is asked, or the file cannot be
         written.
+
+    Examples
+    --------
+    >>> import paint3d
+    >>> surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=1.0)
+    >>> line = paint3d.Painter(surface).stroke([(-20, 0, 0), (20, 0, 0)])
+    >>> paint3d.export(surface, "line.glb")
+    >>> paint3d.export(surface, "inches.ply", paint3d.ExportOptions(unit="in"))
+    >>> paint3d.load_mesh("line.glb").colours.shape[1]
+    3
     """
     path = Path(path)
     suffix = check_export_path(path)

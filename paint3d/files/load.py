@@ -108,6 +108,15 @@ def load_mesh(
     MeshError
         If the file cannot be read or holds no usable surface: one line with file, reason and
         what was expected.
+
+    Examples
+    --------
+    >>> import paint3d
+    >>> paint3d.load_mesh("bowl").name
+    'bowl'
+    >>> corners, triangles = [(0, 0, 0), (40, 0, 0), (0, 40, 0)], [(0, 1, 2)]
+    >>> paint3d.load_mesh((corners, triangles)).vertices.shape
+    (3, 3)
     """
     reading = read_mesh(
         path, unit, from_points=from_points, texture=texture, up=up, progress=progress

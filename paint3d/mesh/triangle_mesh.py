@@ -49,6 +49,13 @@ class TriangleMesh:
     The arrays are private read-only copies or views, so a mesh may be shared between threads
     and used as a key by identity. Faces without area are allowed, since files have them; whether
     there is anything to paint is for `PaintMesh` to say.
+
+    Examples
+    --------
+    >>> import paint3d
+    >>> mesh = paint3d.TriangleMesh([(0, 0, 0), (40, 0, 0), (0, 40, 0)], [(0, 1, 2)], name="corner")
+    >>> paint3d.PaintedSurface(mesh, resolution=0.8).n_vertices
+    3
     """
 
     vertices: NDArray[np.float32]

@@ -651,6 +651,15 @@ def save_recording(
         If the suffix is not known or the file cannot be written.
     RecordingError
         If the recording has no place in the format.
+
+    Examples
+    --------
+    >>> import paint3d
+    >>> surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=1.0)
+    >>> line = paint3d.Painter(surface).stroke([(-20, 0, 0), (20, 0, 0)], speed=40.0)
+    >>> paint3d.save_recording(line, "line.csv")
+    >>> round(paint3d.load_recording("line.csv").duration_s, 2)
+    1.0
     """
     writers = {suffix: partial(write, recording) for suffix, write in _WRITERS.items()}
     save_lines(writers, path, progress)

@@ -45,6 +45,7 @@ _EASE = 2.5  # factor on these targets while somebody is painting (`Flow.follow`
 _CARE = 0.15  # the same in `Flow.advance`: the result is within 1 % whatever the steps
 _GROWTH = 1.5  # factor by which a block's step may grow at once
 _UNLIKE = 1.15  # greatest ratio of the steps of neighbouring blocks
+_FRESH_S = 2.0  # s: of time t the steps are done by log(1 + t / this), about, as ink comes to rest
 _REST = 60.0  # s: longest step while nothing moves and water only evaporates
 _PIECE = 0.05  # s: longest time that `Flow.follow` lets pass at once
 _LATE = 0.12  # s: tolerated delay; steps this long in fresh ink put radii off by 2 %
@@ -187,7 +188,13 @@ class Flow:
 
     # -- time -------------------------------------------------------------------------------
 
-    def advance(self, seconds: float, step: float | None, fresh: AnyArray) -> None:
+    def advance(
+        self,
+        seconds: float,
+        step: float | None,
+        fresh: AnyArray,
+        progress: Callable[[float], None] | None = None,
+    ) -> None:
         """Advance time in full; the ink of vertices `fresh` (N,) int32 may have changed since."""
         patch = self._patch
         self._ease = _CARE
@@ -202,10 +209,14 @@ class Flow:
             patch.owed += gone
             if left > 1e-9 * seconds:
                 self._step(self._due(wet, pace))
+            if progress is not None and left > 0.0:
+                progress(math.log1p((seconds - left) / _FRESH_S) / math.log1p(seconds / _FRESH_S))
         # Bring every block up to the present, due or not.
         while len(wet := patch.wet_blocks()) and patch.owed[wet].any():
             self._step(wet[patch.owed[wet] > 0.0])
         patch.write_surface()
+        if progress is not None:
+            progress(1.0)
 
     def follow(self, seconds: float, fresh: AnyArray, most_nodes: int) -> bool:
         """Advance time interactively: a bounded amount of work, the most urgent blocks first.
@@ -445,9 +456,11 @@ class Water:
             return None
         return self._flow.depths()
 
-    def advance(self, seconds: float, step: float | None) -> None:
+    def advance(
+        self, seconds: float, step: float | None, progress: Callable[[float], None] | None
+    ) -> None:
         """See `Flow.advance`."""
-        self.flow.advance(seconds, step, self._take_fresh())
+        self.flow.advance(seconds, step, self._take_fresh(), progress)
 
     def follow(self, seconds: float, most_nodes: int) -> bool:
         """See `Flow.follow`."""

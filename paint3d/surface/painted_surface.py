@@ -70,6 +70,15 @@ class PaintedSurface(InkStore):
     ----------
     keeps_up : bool
         Whether the last call of `follow_time` kept up with the moving water.
+
+    Examples
+    --------
+    >>> import paint3d
+    >>> surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), 1.0, "xuan")
+    >>> line = paint3d.Painter(surface).stroke([(-20, 0, 0), (20, 0, 0)])
+    >>> surface.diffuse(10.0)  # the ink spreads
+    >>> surface.srgb.shape[1], int(surface.painted.sum()) > 100
+    (3, True)
     """
 
     def __init__(
@@ -179,7 +188,12 @@ class PaintedSurface(InkStore):
         """Discard all water in motion."""
         self._water.drop()
 
-    def diffuse(self, seconds: float, step: float | None = None) -> None:
+    def diffuse(
+        self,
+        seconds: float,
+        step: float | None = None,
+        progress: Callable[[float], None] | None = None,
+    ) -> None:
         """Advance time: wet ink spreads on an absorbent material, and dries.
 
         Parameters
@@ -187,6 +201,8 @@ class PaintedSurface(InkStore):
         seconds : float
         step : float, optional
             Longest step, s; by default as long as the motion allows.
+        progress : callable, optional
+            Called with the fraction of the work done, about: fresh ink, which runs, takes most.
 
         Raises
         ------
@@ -196,7 +212,7 @@ class PaintedSurface(InkStore):
         seconds = as_number(seconds, "seconds", 0.0)
         if step is not None:
             step = as_number(step, "step (s)", 1e-6)
-        self._water.advance(seconds, step)
+        self._water.advance(seconds, step, progress)
 
     def follow_time(self, seconds: float) -> bool:
         """Advance time interactively, or not at all until the water has caught up.

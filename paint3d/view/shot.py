@@ -5,7 +5,8 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import NamedTuple
+from itertools import chain
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -264,9 +265,11 @@ def take_film(
     if camera is None or not shot.is_lit:
         paper = shot.paper(gloss)
         with FlatDrawing(arrays[1], frame, size, shot.transparent, paper) as drawing:
-            for moment in moments:
-                vertices = _turned(arrays, moment.turn)[0] if moment.turn else arrays[0]
-                yield drawing.pixels(vertices, moment.srgb, moment.edges)
+            for moment, is_new in _news(moments):
+                if is_new:
+                    vertices = _turned(arrays, moment.turn)[0] if moment.turn else arrays[0]
+                    pixels = drawing.pixels(vertices, moment.srgb, moment.edges)
+                yield pixels
         return
     setting = Setting(LIGHTS[shot.light], shot.transparent, Stand(axes, camera))
     lights = _Lights(arrays, view, checked_size(shot.size or SIZE), setting, n_lights)
@@ -303,11 +306,22 @@ def _lit(lights: _Lights, moments: Iterable[Moment], gloss: Gloss) -> Iterator[N
         gloss = replace(gloss, each=first.roughness)
     scene = lights.at(first.turn).scene(first.srgb, first.edges)
     with SceneDrawing(scene, gloss, size, transparent) as drawing:
-        yield develop(drawing.pixels())
-        for moment in moments:
-            scene = lights.at(moment.turn).scene(moment.srgb, moment.edges)
-            drawing.show(scene, moment.roughness)
-            yield develop(drawing.pixels())
+        for k, (moment, is_new) in enumerate(_news(chain([first], moments))):
+            if k and is_new:
+                scene = lights.at(moment.turn).scene(moment.srgb, moment.edges)
+                drawing.show(scene, moment.roughness)
+            if is_new:
+                pixels = develop(drawing.pixels())
+            yield pixels
+
+
+def _news(moments: Iterable[Moment]) -> Iterator[tuple[Moment, bool]]:
+    """Moments, and whether each looks otherwise than the one before: a hand is often in the air."""
+    before: tuple[Any, ...] | None = None
+    for moment in moments:
+        parts = (moment.srgb, moment.turn, moment.roughness, *(moment.edges or ()))
+        yield moment, before is None or not all(map(np.array_equal, parts, before))
+        before = parts
 
 
 class _Lights:

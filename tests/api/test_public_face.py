@@ -48,6 +48,19 @@ def test_examples_of_docstrings_run(module: str, tmp_path: Path, monkeypatch) ->
     assert found.failed == 0
 
 
+@pytest.mark.parametrize(
+    "name",
+    ["PaintedSurface", "TriangleMesh", "export", "load_brush", "load_material", "load_mesh",
+     "save_recording", "save_session"],
+)  # fmt: skip
+def test_what_everybody_uses_has_an_example_that_runs(name: str, tmp_path, monkeypatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (found,) = doctest.DocTestFinder(recurse=False).find(getattr(paint3d, name), name)
+    told = doctest.DocTestRunner().run(found)
+    assert told.attempted > 1
+    assert told.failed == 0
+
+
 def test_a_stroke_lies_along_its_points(painter: paint3d.Painter) -> None:
     recording = painter.stroke([(-20, 0, 0), (20, 0, 0)], pressure=0.4, speed=40.0)
     assert recording.duration_s == pytest.approx(1.0)

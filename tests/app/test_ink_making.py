@@ -64,6 +64,8 @@ def test_the_five_tones_of_the_ink_in_hand_are_buttons(window) -> None:
             click(inks.tones.buttons[name])
             wanted = {ink: tone.share, WATER.name: 1.0 - tone.share}
             assert held(window) == pytest.approx({k: v for k, v in wanted.items() if v > 0.0})
+        called = {"pine soot": "Burnt", "indigo": "100 %"}[ink]  # no blue is burnt
+        assert inks.tones.buttons["burnt"].text() == called
     click(inks.tones.buttons["burnt"])  # and back from thin ink to thick
     assert held(window) == {"indigo": 1.0}
 

@@ -20,7 +20,7 @@ from paint3d.cli.info import info_lines
 from paint3d.errors import InputError, MeshError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.sheet_mesh import make_sheet, writing_areas
+from paint3d.mesh.sheet_mesh import make_sheet, paper_bounds, writing_areas
 from paint3d.mesh.sheets import parse_sheet
 from tests.support.cases import long_but
 
@@ -150,6 +150,19 @@ def test_a_seal_alone_stands_beside_the_end_of_a_text_in_the_middle(form: str) -
     assert away @ y_axis + rim == pytest.approx(0.41 * found.em_mm, abs=0.1 * found.em_mm)
     if form != "fan":
         assert beside.seal_point[0] - rim > -0.5 * sheet.width_mm + sheet.margin_mm - 0.1
+
+
+@pytest.mark.parametrize("form", ["couplet", "couplet:150x600", "couplet:300x1500"])
+@pytest.mark.parametrize("n", [0, 4, 8])
+def test_a_signed_couplet_is_hardly_smaller_and_its_signature_stands_clear(form: str, n: int):
+    text = "白日依山盡黃河入海流"
+    mesh, found, squares = laid(form, text, signature=n)
+    assert found.em_mm > 0.9 * compose(parse_sheet(form), text).em_mm
+    beside, low = sign_beside(mesh, squares, n), paper_bounds(mesh)[0]
+    text_ink = squares[-1].chart.frame.origin[0] - 0.41 * found.em_mm
+    half = 0.5 * max(beside.em_mm if n else 0.0, beside.seal_mm)
+    assert text_ink - (beside.seal_point[0] + half) > 0.3 * half
+    assert beside.seal_point[0] - half > low[0] + 0.4 * parse_sheet(form).margin_mm
 
 
 def test_a_large_column_beside_its_signature_stays_on_the_paper() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -128,6 +129,15 @@ def test_without_variation_it_is_the_copybook_s() -> None:
     assert vary_motion(three_strokes(), MIDDLE, LETTER, 0.0, [1, 2]) is three_strokes()
 
 
+def test_a_large_character_shakes_no_more_often_than_a_small_one() -> None:
+    plan = three_strokes()
+    small = vary_motion(plan, MIDDLE, 40.0, 1.0, [3, 1])
+    slower = replace(plan, time_s=5.0 * plan.time_s)
+    large = vary_motion(slower, MIDDLE, 200.0, 1.0, [3, 1])
+    assert np.ptp(small.height[plan.stroke == 0]) > 0.05
+    np.testing.assert_allclose(large.height, small.height, atol=1e-9)
+
+
 class OneStroke:
     """A source in which every character is one bar."""
 
@@ -154,6 +164,18 @@ def test_a_character_that_comes_twice_is_not_written_twice_alike() -> None:
     np.testing.assert_array_equal(varied, ways(1.0))
     assert varied.shape != ways(1.0, 5).shape or not np.array_equal(varied, ways(1.0, 5))
     assert varied.shape != plain.shape or not np.array_equal(varied, plain)
+
+
+def test_a_faster_hand_goes_the_same_ways_in_less_time() -> None:
+    usual = WritingSettings(load_brush("xiaokai"), 20.0, variation=1.0)
+    one, two = (
+        write_text(load_mesh("plane"), "一一", OneStroke(), settings).recording
+        for settings in (usual, replace(usual, haste=4.0))
+    )
+    np.testing.assert_array_equal(4 * two.time_ns, one.time_ns)
+    np.testing.assert_array_equal(two.position, one.position)
+    with pytest.raises(InputError, match="haste"):
+        write_text(load_mesh("plane"), "一", OneStroke(), replace(usual, haste=5.0))
 
 
 def test_a_hand_that_shakes_too_much_is_refused() -> None:

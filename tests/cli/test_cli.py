@@ -338,6 +338,18 @@ def test_progress_is_drawn_on_a_terminal_and_erased() -> None:
     assert "\n" not in stream.getvalue()
 
 
+def test_the_time_that_is_left_runs_down_and_is_not_told_when_it_is_over(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stream, now = Terminal(), [0.0]
+    monkeypatch.setattr(progress.time, "monotonic", lambda: now[0])
+    bar, said = progress.ProgressBar("painting", stream=stream), []
+    for now[0] in (4.0, 7.0, 12.0):  # all the while half is done
+        bar(0.5)
+        said.append(stream.getvalue().rsplit("]", 1)[1])
+    assert [" ".join(told.split()) for told in said] == ["50% 4 s left", "50% 1 s left", "50% 12 s"]
+
+
 def test_a_bar_moves_while_nothing_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(progress, "_TICK_S", 0.001)
     stream = Terminal()

@@ -125,6 +125,19 @@ def test_time_may_pass_in_pieces():
     assert spread(pieces)[0] == pytest.approx(spread(whole)[0], rel=0.01)
 
 
+@pytest.mark.parametrize("seconds", [5.0, 1e6])  # while it runs, and until it is dry
+def test_how_far_it_is_is_told(seconds: float):
+    told: list[float] = []
+    told_of, silent = (drop(PaintedSurface(grid(16, 0.5), None, XUAN), 2.0) for _ in range(2))
+    told_of.diffuse(seconds, progress=told.append)
+    silent.diffuse(seconds)
+    assert len(told) > 10
+    assert told == sorted(told)
+    assert told[0] > 0.0
+    assert told[-1] == 1.0
+    np.testing.assert_array_equal(told_of.amounts, silent.amounts)
+
+
 def test_ink_is_conserved_and_stops_by_itself():
     surface = drop(PaintedSurface(grid(20, 0.5), None, XUAN), 4.0)
     drop(surface, 1.0, 2.0, (4.0, 0.0, 0.0), "cinnabar")

@@ -14,6 +14,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.film import Growth
+from paint3d.view.scene import FlatDrawing, SceneDrawing
 from paint3d.view.shot import Moment, Shot, take_film, take_shot
 from paint3d.view.studio import Gloss
 from tests.support.surface_cases import flat, poses, sheet
@@ -79,6 +80,29 @@ def test_the_last_picture_is_the_finished_painting_s_own(light: str) -> None:
     np.testing.assert_array_equal(last, take_shot(arrays, shot))
     assert (first[36, 48].astype(int) - last[36, 48] > 60).all()
     np.testing.assert_array_equal(first[-3:], last[-3:])  # the floor stays
+
+
+@needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
+@pytest.mark.parametrize("light", ["studio", "none"])
+def test_a_picture_like_the_one_before_is_not_drawn_again(light: str, monkeypatch) -> None:
+    drawn: list[int] = []
+    for kind in (SceneDrawing, FlatDrawing):
+
+        def counted(drawing, *values, pixels=kind.pixels):
+            drawn.append(1)
+            return pixels(drawing, *values)
+
+        monkeypatch.setattr(kind, "pixels", counted)
+    arrays, bare = two_balls()
+    rough = np.full(len(bare), 0.3, np.float32)
+    moments = [Moment(bare.copy(), 0.0, rough), Moment(bare.copy(), 0.0, rough.copy())]
+    moments += [Moment(arrays[3], 0.0, rough), Moment(bare, 0.0, rough)]
+    shown = list(take_film(arrays, Shot("front", SIZE, light), moments))
+    assert len(drawn) == 3
+    np.testing.assert_array_equal(shown[1], shown[0])
+    np.testing.assert_array_equal(shown[3], shown[0])
+    assert (shown[2] != shown[0]).any()
 
 
 @needs_opengl

@@ -114,6 +114,15 @@ def save_session(
     ------
     ExportError
         If the file cannot be written, or a setting or header is nothing that JSON can hold.
+
+    Examples
+    --------
+    >>> import paint3d
+    >>> surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), resolution=1.0)
+    >>> line = paint3d.Painter(surface).stroke([(-20, 0, 0), (20, 0, 0)])
+    >>> paint3d.save_session(paint3d.Session(surface, [line]), "line.p3d")
+    >>> int(paint3d.load_session("line.p3d").surface.painted.sum() - surface.painted.sum())
+    0
     """
     path = Path(path)
     text, arrays = _parts(session)

@@ -74,12 +74,6 @@ class ToneRow(QtWidgets.QWidget):
             button = QtWidgets.QToolButton()
             button.setObjectName(f"tone_{name}")
             button.setIconSize(_ICON)
-            called = say(_TONES[name])
-            message = say("{tone}: {share:.0f} % ink, the rest water", tone=called,
-                       share=100.0 * tone.share)  # fmt: skip
-            button.setToolTip(message)
-            button.setAccessibleName(called)
-            button.setText(called)
             button.setSizePolicy(
                 QtWidgets.QSizePolicy.Policy.Expanding, QtWidgets.QSizePolicy.Policy.Fixed
             )
@@ -98,10 +92,20 @@ class ToneRow(QtWidgets.QWidget):
     def show_ink(self, parts: Mapping[str | Pigment, float], theme: Theme) -> None:
         """Show the tones of this mixture; none where it is only water."""
         self._theme = theme
+        inks = [ink if isinstance(ink, str) else ink.name for ink in _without_water(parts)]
+        is_black = all("soot" in ink for ink in inks)  # its tones have names: no red is burnt
         for name, tone in TONES.items():
-            toned = in_tone(parts, tone.share)
-            self.buttons[name].setEnabled(bool(toned))
-            self.buttons[name].setIcon(QtGui.QIcon(self._coat(toned)))
+            toned, button = in_tone(parts, tone.share), self.buttons[name]
+            share = 100.0 * tone.share
+            called, tip = f"{share:.0f} %", say("{share:.0f} % ink, the rest water", share=share)
+            if is_black:
+                called = say(_TONES[name])
+                tip = say("{tone}: {share:.0f} % ink, the rest water", tone=called, share=share)
+            button.setText(called)
+            button.setAccessibleName(called)
+            button.setToolTip(tip)
+            button.setEnabled(bool(toned))
+            button.setIcon(QtGui.QIcon(self._coat(toned)))
 
     def _coat(self, parts: Mapping[str | Pigment, float]) -> QtGui.QPixmap:
         pixmap = QtGui.QPixmap(_ICON * 2)
@@ -679,7 +683,7 @@ class InkPanel(QtWidgets.QWidget):
         column.addLayout(row)
         self.by_itself.toggled.connect(self.by_itself_chosen)
         row = QtWidgets.QHBoxLayout()
-        for text, box in ((say("Tuft wet"), self.wetted), (say("Full"), self.fullness)):
+        for text, box in ((say("How deep"), self.wetted), (say("How full"), self.fullness)):
             row.addWidget(QtWidgets.QLabel(text))
             row.addWidget(box, 1)
             box.setAccessibleName(text)
