@@ -199,6 +199,32 @@ def test_a_seal_is_no_ink() -> None:
     assert judge(there, sheet).seal < 0.005
 
 
+def brown_ink(sealed: bool) -> np.ndarray:
+    """An old sheet whose ink is a warm black, (44, 32, 24), with a red seal on it or none."""
+    rng = np.random.default_rng(5)
+    pixels = np.full((420, 420, 3), (205, 195, 175), float)
+    if sealed:
+        pixels[330:390, 330:390] = (170, 50, 45)
+    grain = ndimage.gaussian_filter(rng.normal(0.0, 14.0, (420, 420)), 1.0)[..., None]
+    bars = np.zeros((420, 420), bool)
+    for k in range(4):
+        bars[60 + 70 * k : 78 + 70 * k, 70:300] = True
+    pixels[bars] = (np.array((44.0, 32.0, 24.0)) + grain)[bars]
+    return pixels.clip(0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("sealed", [False, True])
+def test_a_warm_black_is_ink_and_no_seal(sealed: bool) -> None:
+    """Ink of old paper is brownish, and the darker the more in density; strokes stay whole."""
+    sheet = copy_sheet(brown_ink(sealed), "old.jpg", Asked(whole=True))
+    assert [len(piece.glyph.strokes) for piece in sheet.page.pieces] in ([4], [1] * 4)
+    for k in range(4):
+        bar = np.s_[63 + 70 * k : 75 + 70 * k, 75:295]
+        assert sheet.ink.mask[bar].mean() > 0.995
+        assert sheet.red[bar].max() < 0.5
+    assert (sheet.red > 0.3).mean() == pytest.approx(0.0204 if sealed else 0.0, abs=0.004)
+
+
 def test_a_shadow_is_no_ink() -> None:
     sheet = np.full((300, 240, 3), 0.8, np.float32)
     sheet[:, 150:] *= 0.45  # a hand's

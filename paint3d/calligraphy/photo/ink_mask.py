@@ -616,7 +616,7 @@ _CINNABAR = np.array([0.08, 0.85, 0.75])  # densities in red, green and blue lig
 _COLOURED = 0.18  # by how much the density in green and blue exceeds that in red on a seal
 _MOST_RED = 0.55  # of the density in green: in red light a red seal is hardly seen
 _FEW = 2e-4  # of the sheet: fewer coloured pixels are no seal
-_LEAST_RED, _MOST_RED = 4e-3, 1.25  # shares of the light
+_DARKEST, _BRIGHTEST = 4e-3, 1.25  # shares of the paper's light
 
 
 @dataclass(frozen=True, eq=False)
@@ -641,7 +641,7 @@ def unmixed(reflected: NDArray[np.float32]) -> Inks:
     reflected : (H, W, 3) float32
         As a share of the paper's light.
     """
-    density = -np.log10(np.clip(reflected, _LEAST_RED, _MOST_RED))
+    density = -np.log10(np.clip(reflected, _DARKEST, _BRIGHTEST))
     red_way = _red_of(density)
     # what a point of the plane of both directions is made of; off its wedge, of the nearer side
     ways = np.stack([_BLACK, red_way])
