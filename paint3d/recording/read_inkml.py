@@ -5,8 +5,9 @@ unless its channel says ``orientation="-ve"``; azimuths turn from the file's x t
 Counts of a device become lengths, angles or times by its channel's property ``resolution``. Each
 trace is a stroke, with those that continue it, and the pen is lifted between two of them; a trace
 of type penUp is its way through the air. Without OA or tilts, or where OE is 0 all along, the
-surface drags the tip. Times are those of T, else of the traces' timeOffset, else of the ink source's sampleRate. Points lie where an
-affine mapping to the canvas has them; of other mappings a note says that they are left out.
+surface drags the tip. Times are those of T, else of the traces' timeOffset, else of the ink
+source's sampleRate. Points lie where an affine mapping to the canvas has them; of other mappings a
+note says that they are left out.
 """
 
 from __future__ import annotations

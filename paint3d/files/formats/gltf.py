@@ -18,7 +18,14 @@ from numpy.typing import NDArray
 from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError, MeshError, Message
-from paint3d.files.colours import REPEAT, Look, colour_shares, open_picture, srgb_from_linear
+from paint3d.files.colours import (
+    NAMED_AS_COLOUR,
+    REPEAT,
+    Look,
+    colour_shares,
+    open_picture,
+    srgb_from_linear,
+)
 from paint3d.files.contents import parse_json, read_beside
 from paint3d.files.finish import Finish, Texture
 from paint3d.files.raw_mesh import RawMesh, check_count, join_meshes, left_out
@@ -737,7 +744,7 @@ class GltfPaint:
             )
         if surface.get("alphaMode", "OPAQUE") != "OPAQUE":
             self.dropped.add(Message("transparency"))
-        if extensions.keys() - {TURNED, GLOSSY}:
+        if extensions.keys() - {TURNED, GLOSSY, UNLIT}:
             self.dropped.add(Message("extensions of its materials"))
         picture = None if texture is None else self._picture(texture["index"])
         wrap = REPEAT if picture is None else self._wrap(texture["index"])
@@ -790,7 +797,7 @@ TRIANGLES, STRIP, FAN = 4, 5, 6
 THIN = {0: Message("points")} | dict.fromkeys(
     (1, 2, 3), Message("lines")
 )  # modes of what has no surface
-LIGHTS = "KHR_lights_punctual"
+LIGHTS, VARIANTS = "KHR_lights_punctual", "KHR_materials_variants"
 HIDDEN, INSTANCES = "KHR_node_visibility", "EXT_mesh_gpu_instancing"
 MOST_INSTANCES = 1 << 17
 KNOWN = {  # extensions that a file may require: read, or what they say is noted as left out
@@ -864,13 +871,24 @@ def _dropped(file: GltfFile) -> set[Message]:
     others = [name for name in others if not name.startswith(MATERIALS)]
     if others:
         dropped.add(Message("what the extensions {names} say", names=", ".join(others)[:60]))
-    if any(_is_hidden(node) for node in file.document.get("nodes", [])):
+    nodes = file.document.get("nodes", [])
+    if any(_is_hidden(node) for node in nodes):
         dropped.add(Message("hidden parts"))
+    if len(file.document.get("scenes", [])) > 1:
+        dropped.add(Message("scenes other than the default one"))
+    instanced = (node.get("extensions", {}).get(INSTANCES) for node in nodes)
+    names = {str(name) for one in instanced if one for name in one.get("attributes", {})}
     for mesh in file.document.get("meshes", []):
         for primitive in mesh.get("primitives", []):
+            names |= {str(name) for name in primitive.get("attributes", {})} - {"COLOR_0"}
+            if VARIANTS in primitive.get("extensions", {}):
+                dropped.add(Message("variants of its materials"))
             dropped |= {Message("morph targets")} if "targets" in primitive else set()
             mode = primitive.get("mode", TRIANGLES)
             dropped |= {THIN[mode]} if mode in THIN else set()
+    unread = sorted(filter(NAMED_AS_COLOUR.search, names))
+    if unread:
+        dropped.add(Message("what it calls {names}", names=", ".join(unread)[:60]))
     return dropped
 
 
