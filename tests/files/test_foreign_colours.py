@@ -625,6 +625,24 @@ def test_a_mesh_that_is_repeated_stands_in_every_place(tmp_path):
     np.testing.assert_allclose(mesh.vertices, once + turned, atol=1e-3)
 
 
+@pytest.mark.parametrize("writer", ["trimesh", "Open3D"])
+def test_vertex_colours_come_as_their_writers_mean_them(tmp_path, writer):
+    """The specification says linear; these write the sRGB codes that they have."""
+    if writer == "trimesh":
+        trimesh = pytest.importorskip("trimesh")
+        mesh = trimesh.Trimesh(SQUARE, HALVES, vertex_colors=[(*RED, 255)] * 4, process=False)
+        mesh.export(tmp_path / "a.glb")
+    else:
+        geometry = pytest.importorskip("open3d")
+        vector, index = geometry.utility.Vector3dVector, geometry.utility.Vector3iVector
+        mesh = geometry.geometry.TriangleMesh(vector(SQUARE), index(HALVES))
+        mesh.vertex_colors = vector([np.array(RED) / 255] * 4)
+        geometry.io.write_triangle_mesh(str(tmp_path / "a.glb"), mesh)
+    reading = read_surface(tmp_path / "a.glb", Wanted())
+    assert codes(reading) == {RED}
+    assert reading.notes == (f"its vertex colours are taken as sRGB, as {writer} writes them",)
+
+
 def with_attributes(**attributes):
     there = {"POSITION": 0, "TEXCOORD_0": 3, **attributes}
     return gltf(meshes=[{"primitives": [{"attributes": there, "material": 0}]}])

@@ -663,6 +663,7 @@ LEFT_OUT = {  # what of a material is left out, by its key
 OWN_SHINE = Message(
     "the gloss of its ink (a painting, .p3d, keeps it)"
 )  # of a painting: what it is painted on anew says how it shines
+SRGB_WRITERS = ("trimesh", "Open3D", "VTK")  # write colours of vertices as they have them
 TURNED = "KHR_texture_transform"
 GLOSSY = "KHR_materials_pbrSpecularGlossiness"
 WEBP = "EXT_texture_webp"
@@ -687,7 +688,9 @@ class GltfPaint:
         self.looks: list[Look] = []
         self._file = file
         asset = file.document.get("asset")
-        self._is_own = isinstance(asset, dict) and asset.get("generator") == GENERATOR
+        generator = str(asset.get("generator")) if isinstance(asset, dict) else ""
+        self._is_own = generator == GENERATOR
+        self._srgb_writer = next((name for name in SRGB_WRITERS if name in generator), None)
         self._pictures: dict[int, NDArray[np.uint8] | None] = {}
         self._known: dict[int, tuple[int, dict[str, Any]]] = {}
 
@@ -720,6 +723,20 @@ class GltfPaint:
                 name=name,
             )
         return number, _placed(uv, turned)
+
+    def vertex_colours(self, values: AnyArray) -> NDArray[np.uint8] | None:
+        """Return the sRGB codes (V, 3) of COLOR_0: of linear colours, but for some writers'."""
+        shares, notes = colour_shares(values)
+        self.notes += notes
+        if shares is None or self._srgb_writer is None:
+            return None if shares is None else srgb_from_linear(shares)
+        self.notes.append(
+            Message(
+                "its vertex colours are taken as sRGB, as {writer} writes them",
+                writer=self._srgb_writer,
+            )
+        )
+        return np.floor(255.0 * shares + 0.5).astype(np.uint8)
 
     def _read(self, surface: dict[str, Any], wanted: bool) -> tuple[int, dict[str, Any]]:
         extensions = surface.get("extensions", {})
@@ -812,7 +829,8 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     """Read the default scene, with the transforms of its nodes applied.
 
     Points and lines are passed over, as are skins and animations; that and what else is dropped
-    is noted. COLOR_0 is linear by the specification and comes back as sRGB codes.
+    is noted. COLOR_0 is linear by the specification and comes back as sRGB codes; some programs
+    write those into it, and are known by the name that they give.
 
     Parameters
     ----------
@@ -985,9 +1003,7 @@ def _primitive(
         vertices = take_steps(vertices, others[STEPS][:, 0])
     colours = None
     if "COLOR_0" in others:
-        shares, notes = colour_shares(others["COLOR_0"])
-        paint.notes += notes
-        colours = None if shares is None else srgb_from_linear(shares)
+        colours = paint.vertex_colours(others["COLOR_0"])
     faces = _triangles(indices, mode)
     number, uv = paint.look_of(primitive, len(vertices), texture)
     if uv is not None:
