@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import re
 import warnings
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +16,7 @@ from paint3d.errors import MeshError, Message
 
 __all__ = [
     "COLOUR_NAMES",
+    "NAMED_AS_COLOUR",
     "REPEAT",
     "VERTEX_COLOURS",
     "WRAPS",
@@ -37,6 +39,11 @@ COLOUR_NAMES = (
     ("r", "g", "b"),
 )
 """Of the columns in which a PLY has colours, the first that it has are taken."""
+NAMED_AS_COLOUR = re.compile(
+    r"(?:^|_)(?:red|green|blue|rgba?|bgra?|colou?rs?|gr[ae]y|luminance|intensity|f_dc)(?:_|\d|$)",
+    re.IGNORECASE,
+)
+"""Finds names of numbers that speak of colours."""
 
 ROUNDING = 1e-6  # above 1
 VERTEX_COLOURS = Message("vertex colours")
@@ -48,12 +55,12 @@ BRIGHT = 16  # fractions up to here are too bright: as codes they would all be n
 def colour_codes(
     values: AnyArray, expected: int | None = None, whose: Message = VERTEX_COLOURS
 ) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
-    """Return colours (V, 3) of any type as sRGB codes, and what was done to them.
+    """Return colours (V, 3 or 4) of any type as sRGB codes (V, 3), and what was done to them.
 
     See `colour_shares`.
     """
     if values.dtype == np.uint8 or not values.size:
-        return np.ascontiguousarray(values, np.uint8), ()
+        return np.ascontiguousarray(values[:, :3], np.uint8), ()
     shares, notes = colour_shares(values, expected, whose)
     return None if shares is None else np.floor(BYTE * shares + 0.5).astype(np.uint8), notes
 
@@ -63,14 +70,16 @@ def colour_shares(
 ) -> tuple[NDArray[np.float64] | None, tuple[Message, ...]]:
     """Return colours of any type from 0 to 1, and what was done to them.
 
-    Whether the numbers run to 1, 255, 65,535 or 2^32 - 1 is told by the numbers themselves: many
-    programs write codes of a byte as integers or floats of another size. A note says so where it
-    is not the range that is expected. Colours that are not finite become white; what is a little
+    Whether the numbers run to 1, 255, 65,535 or 2^32 - 1 is told by the numbers themselves, also
+    those of opacities, which are 255 beside the darkest codes: many programs write codes of a byte
+    as integers or floats of another size. A note says so where it is not the range that is
+    expected. Colours that are not finite become white; what is a little
     out of the range is brought to its end.
 
     Parameters
     ----------
-    values : (V, 3) array
+    values : (V, 3) or (V, 4) array
+        The fourth column is opacities.
     expected : int, optional
         Where the range ends by what the format says: by default at 1 for floats, at the largest
         number for integers.
@@ -88,7 +97,8 @@ def colour_shares(
         expected = int(np.iinfo(values.dtype).max) if is_integer else 1
     if values.dtype == np.int8 and values.size and values.min() < 0:
         values = values.view(np.uint8)  # bytes whose type was given a wrong name
-    values = values.astype(np.float64)
+    every = values.astype(np.float64)
+    values = every[:, :3]
     if not values.size:
         return values, ()
     known = np.asarray(np.isfinite(values).all(axis=1))
@@ -106,7 +116,9 @@ def colour_shares(
             ),
         )
     good = values[known]
-    end = _end_of_range(good, is_integer, expected)
+    opacities = every[known, 3:]
+    told = np.concatenate([good, np.where(np.isfinite(opacities), opacities, 0.0)], axis=1)
+    end = _end_of_range(told, is_integer, expected)
     outside = ((good < 0.0) | (good > end + ROUNDING)).any(axis=1)
     if 2 * outside.sum() > len(good):
         return None, (

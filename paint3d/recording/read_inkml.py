@@ -4,9 +4,10 @@ Channels X, Y, Z, F, OA, OE, OTx, OTy, OR and T are read; others are passed over
 unless its channel says ``orientation="-ve"``; azimuths turn from the file's x towards its y.
 Counts of a device become lengths, angles or times by its channel's property ``resolution``. Each
 trace is a stroke, with those that continue it, and the pen is lifted between two of them; a trace
-of type penUp is its way through the air. Without OA or tilts the surface drags the tip. Times are
-those of T, else of the traces' timeOffset, else of the ink source's sampleRate. Points lie where an
-affine mapping to the canvas has them; of other mappings a note says that they are left out.
+of type penUp is its way through the air. Without OA or tilts, or where OE is 0 all along, the
+surface drags the tip. Times are those of T, else of the traces' timeOffset, else of the ink
+source's sampleRate. Points lie where an affine mapping to the canvas has them; of other mappings a
+note says that they are left out.
 """
 
 from __future__ import annotations
@@ -542,7 +543,9 @@ def _assemble(
     for group in groups.values():
         rows = np.concatenate([np.arange(first[k], first[k + 1]) for k in group])
         table = np.concatenate([traces[k].values for k in group])
-        parts.append((rows, _measured(table, traces[group[0]].layout, scale, y_down)))
+        part = _measured(table, traces[group[0]].layout, scale, y_down)
+        _forget_flat(part, piece[rows])
+        parts.append((rows, part))
 
     def whole(key: str, otherwise: float) -> AnyArray:
         result = np.full(len(stroke), otherwise)
@@ -552,7 +555,7 @@ def _assemble(
         return result
 
     def is_known(key: str) -> bool:
-        return all(key in part for _, part in parts)
+        return all(key in part and not np.isnan(part[key]).all() for _, part in parts)
 
     pressure = whole("F", 0.0)
     pressure[np.array([trace.is_up for trace in traces])[piece]] = 0.0
@@ -574,6 +577,17 @@ def _assemble(
         stroke,
         header,
     )
+
+
+def _forget_flat(part: dict[str, AnyArray], piece: AnyArray) -> None:
+    """Make the direction unknown of traces (N,) whose pen lies flat on the pad all along.
+
+    None can: office programs write angles of 0 for pens, fingers and mice that tell none.
+    """
+    if "OE" in part:
+        is_raised = np.isin(piece, piece[~(part["OE"] <= 0.0)])
+        for key in {"OA", "OE"} & part.keys():
+            part[key] = np.where(is_raised, part[key], math.nan)
 
 
 def _measured(table: AnyArray, layout: _Format, scale: float, y_down: bool) -> dict[str, AnyArray]:

@@ -23,7 +23,9 @@ from paint3d.calligraphy.fonts.typesetting import (
 from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.layout import Layout
 from paint3d.calligraphy.optional_packages import import_optional
+from paint3d.calligraphy.page import laying
 from paint3d.calligraphy.page.laying import lay_page
+from paint3d.calligraphy.page.page import Piece
 from paint3d.calligraphy.shapes.ductus import known_strokes
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
@@ -396,6 +398,29 @@ def test_what_is_far_too_long_is_refused_before_it_is_set(monkeypatch, order) ->
         InputError, match=r"the text is \d+,\d+ mm long at this size, which does not"
     ):
         lay_page(plane, set_text(text, dejavu(), Style(), None, order), 40.0)
+
+
+def test_few_boxes_are_laid_of_a_page_that_does_not_fit(monkeypatch) -> None:
+    """A page is broken and moved until it fits; where it does not, its edges show that."""
+    laid, measured = [], []
+    lay_square, box = laying.lay_square, Piece.box.fget
+
+    def counted(*given):
+        laid.append(given)
+        return lay_square(*given)
+
+    def seen(piece):
+        measured.append(piece)
+        return box(piece)
+
+    monkeypatch.setattr(laying, "lay_square", counted)
+    monkeypatch.setattr(Piece, "box", property(seen))
+    lengths = np.random.default_rng(4).integers(1, 7, 18)
+    text = set_text(" ".join("on" * k for k in lengths), dejavu(), Style(), None, "row")
+    page, placed = lay_page(ClosestPoints(load_mesh("sphere")), text, 16.0)
+    assert len(placed) == len(page.pieces) > 80
+    assert len(laid) < 1.5 * len(placed)
+    assert len(measured) < 20 * len(placed)
 
 
 @pytest.mark.parametrize("order", ["row", "columns"])

@@ -137,18 +137,22 @@ def test_what_is_pale_or_small_is_left_out_where_it_is_asked(asked: Asked, n: in
     assert len(shapes) == n
 
 
-def test_soft_pale_blots_are_stains_which_is_told() -> None:
-    """Old paper: blots of two thirds of the ink's darkness at the most, ink with crisp edges."""
+@pytest.mark.parametrize(("cut", "darkness", "size"), [(400, 40.0, 8.0), (130, 45.0, 6.0)])
+def test_soft_pale_blots_are_stains_which_is_told(cut: int, darkness: float, size: float) -> None:
+    """Old paper: blots of two thirds of the ink's darkness at the most, ink with crisp edges.
+
+    A fold may end the blots sharply.
+    """
     rng = np.random.default_rng(4)
-    blots = ndimage.gaussian_filter(rng.standard_normal((500, 400)), 8.0)
+    blots = ndimage.gaussian_filter(rng.standard_normal((500, 400)), size)
     light = 190.0 + 3.0 * rng.standard_normal((500, 400))
-    light[:150] -= 40.0 * np.clip(blots / blots.std(), 0.0, 2.0)[:150]
+    light[:150, :cut] -= darkness * np.clip(blots / blots.std(), 0.0, 2.0)[:150, :cut]
     light[200:420, 120:145] = light[200:420, 260:285] = 60.0
     light[300:325, 120:285] = 85.0  # thinner ink, with the edges of ink
     codes = np.clip(ndimage.gaussian_filter(light, 0.8), 0, 255).astype(np.uint8)
     pixels = np.repeat(codes[..., None], 3, axis=2)
     sheet = copy_sheet(pixels, "s", Asked(whole=True))
-    assert [one for one in sheet.notes if "stains" in one]
+    assert [one for one in sheet.notes if "stain" in one]
     assert not sheet.ink.body[:190].any()
     assert left_out(sheet, (200, 420, 120, 145)) < 0.05
     assert left_out(sheet, (300, 325, 150, 255)) < 0.1
@@ -197,6 +201,32 @@ def test_a_seal_is_no_ink() -> None:
     there, sheet = copied("永和", 4, 0.0)
     assert (sheet.red > 0.2).sum() > 200
     assert judge(there, sheet).seal < 0.005
+
+
+def brown_ink(sealed: bool) -> np.ndarray:
+    """An old sheet whose ink is a warm black, (44, 32, 24), with a red seal on it or none."""
+    rng = np.random.default_rng(5)
+    pixels = np.full((420, 420, 3), (205, 195, 175), float)
+    if sealed:
+        pixels[330:390, 330:390] = (170, 50, 45)
+    grain = ndimage.gaussian_filter(rng.normal(0.0, 14.0, (420, 420)), 1.0)[..., None]
+    bars = np.zeros((420, 420), bool)
+    for k in range(4):
+        bars[60 + 70 * k : 78 + 70 * k, 70:300] = True
+    pixels[bars] = (np.array((44.0, 32.0, 24.0)) + grain)[bars]
+    return pixels.clip(0, 255).astype(np.uint8)
+
+
+@pytest.mark.parametrize("sealed", [False, True])
+def test_a_warm_black_is_ink_and_no_seal(sealed: bool) -> None:
+    """Ink of old paper is brownish, and the darker the more in density; strokes stay whole."""
+    sheet = copy_sheet(brown_ink(sealed), "old.jpg", Asked(whole=True))
+    assert [len(piece.glyph.strokes) for piece in sheet.page.pieces] in ([4], [1] * 4)
+    for k in range(4):
+        bar = np.s_[63 + 70 * k : 75 + 70 * k, 75:295]
+        assert sheet.ink.mask[bar].mean() > 0.995
+        assert sheet.red[bar].max() < 0.5
+    assert (sheet.red > 0.3).mean() == pytest.approx(0.0204 if sealed else 0.0, abs=0.004)
 
 
 def test_a_shadow_is_no_ink() -> None:

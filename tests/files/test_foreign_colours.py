@@ -66,6 +66,22 @@ def test_weights_are_told_from_opacities_by_what_stays_the_same(tmp_path):
     assert codes(read(tmp_path, "b.obj", weighted)) == {(255, 0, 0), (0, 0, 255)}
 
 
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("a.obj", obj(["1 1 0 255", "0 1 0 255", "1 1 1 255", "0 0 0 255"])),
+        ("a.obj", obj(["1 1 1 0 255", "1 0 1 0 255", "1 1 1 1 255", "1 0 0 0 255"])),
+        ("a.off", "COFF 4 2 0\n" + "".join(f"{x} {y} 0 1 1 0 255\n" for x, y, _ in SQUARE)
+         + "3 0 1 2\n3 0 2 3\n"),
+        ("a.off", "OFF 4 2 0\n" + "".join(f"{x} {y} 0\n" for x, y, _ in SQUARE)
+         + "3 0 1 2 1 1 0 255\n3 0 2 3 1 0 0 255\n"),
+    ],
+)  # fmt: skip
+def test_opacities_tell_the_darkest_codes_from_fractions(tmp_path, name, content):
+    reading = read(tmp_path, name, content)
+    assert reading.mesh.colours.max() == 1
+
+
 def test_polypaint_is_read_over_several_lines(tmp_path):
     paint = "#MRGB ffc81e1eff1e1ec8\r\n #MRGB FFC81E1EFF1E1EC8"
     assert codes(read(tmp_path, "a.obj", obj([""] * 4, paint), texture=False)) == {RED, BLUE}
@@ -110,6 +126,23 @@ def test_a_map_is_scaled_moved_and_clamped(tmp_path, options, left_to_right, key
         if not inside.any():  # of one colour all over: not made finer
             inside = np.ones(len(x), np.bool_)
         np.testing.assert_allclose(np.median(reading.mesh.colours[inside], axis=0), wanted, atol=4)
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        ("map_Ka a.png", ("left out: pictures of ambient light",)),
+        ("map_Ka a.png\nmap_Kd a.png", ()),
+        ("map_Kd -mm 0.2 0.5 a.png", ("left out: brightness and contrast of a picture (-mm)",)),
+        ("map_Kd -mm 0 1 a.png", ()),
+    ],
+)
+def test_what_of_a_material_is_not_shown_is_told(tmp_path, lines, told):
+    (tmp_path / "a.png").write_bytes(picture())
+    (tmp_path / "a.mtl").write_text(f"newmtl a\n{lines}\n")
+    text = "mtllib a.mtl\nusemtl a\nvt 0 0\nvt 1 0\nvt 1 1\n"
+    text += "v 0 0 0\nv 9 0 0\nv 9 9 0\nf 1/1 2/2 3/3\n"
+    assert read(tmp_path, "a.obj", text).notes == told
 
 
 def test_several_libraries_stand_in_one_line(tmp_path):
@@ -163,6 +196,7 @@ XYZ = "property float x\nproperty float y\nproperty float z\n"
         ("".join(f"property uchar {c}\n" for c in "rgb"), "200 30 30"),
         ("".join(f"property uchar {c}\n" for c in "rgba"), "200 30 30 255"),
         ("".join(f"property uint {c}\n" for c in ("red", "green", "blue")), "200 30 30"),
+        ("".join(f"property uchar {c}\n" for c in ("Red", "Green", "Blue")), "200 30 30"),
         ("".join(f"property ushort {c}\n" for c in ("red", "green", "blue")), "200 30 30"),
         ("property list uchar uchar rgb\n", "3 200 30 30"),
         ("property list uchar uchar colors\n", "4 200 30 30 255"),
@@ -193,7 +227,8 @@ def test_gaussian_splats_have_their_first_harmonic_for_a_colour(tmp_path):
     ("properties", "row", "named"),
     [
         ("property uint rgb\n", "13115934", "rgb"),  # packed
-        ("".join(f"property uchar {c}\n" for c in ("Red", "Green", "Blue")), "1 2 3", "Red, Gre"),
+        ("property uchar gray\n", "7", "gray"),
+        ("property float scalar_Intensity\n", "7", "scalar_Intensity"),
         ("".join(f"property float f_dc_{k}\n" for k in range(2)), "1 2", "f_dc_0, f_dc_1"),
         ("property uchar specular_red\n", "7", "specular_red"),
     ],
@@ -588,6 +623,56 @@ def test_a_mesh_that_is_repeated_stands_in_every_place(tmp_path):
     once = [(0, 0, 2000), (1000, 0, 2000), (0, -1000, 2000)]  # z is up: (x, -z, y), mm
     turned = [(5000, 0, 2000), (5000, 1000, 2000), (6000, 0, 2000)]
     np.testing.assert_allclose(mesh.vertices, once + turned, atol=1e-3)
+
+
+@pytest.mark.parametrize("writer", ["trimesh", "Open3D"])
+def test_vertex_colours_come_as_their_writers_mean_them(tmp_path, writer):
+    """The specification says linear; these write the sRGB codes that they have."""
+    if writer == "trimesh":
+        trimesh = pytest.importorskip("trimesh")
+        mesh = trimesh.Trimesh(SQUARE, HALVES, vertex_colors=[(*RED, 255)] * 4, process=False)
+        mesh.export(tmp_path / "a.glb")
+    else:
+        geometry = pytest.importorskip("open3d")
+        vector, index = geometry.utility.Vector3dVector, geometry.utility.Vector3iVector
+        mesh = geometry.geometry.TriangleMesh(vector(SQUARE), index(HALVES))
+        mesh.vertex_colors = vector([np.array(RED) / 255] * 4)
+        geometry.io.write_triangle_mesh(str(tmp_path / "a.glb"), mesh)
+    reading = read_surface(tmp_path / "a.glb", Wanted())
+    assert codes(reading) == {RED}
+    assert reading.notes == (f"its vertex colours are taken as sRGB, as {writer} writes them",)
+
+
+def with_attributes(**attributes):
+    there = {"POSITION": 0, "TEXCOORD_0": 3, **attributes}
+    return gltf(meshes=[{"primitives": [{"attributes": there, "material": 0}]}])
+
+
+@pytest.mark.parametrize(
+    ("document", "told"),
+    [
+        (with_attributes(COLOR_1=0), "what it calls COLOR_1"),
+        (with_attributes(_COLOR=0, _RGBA_0=0), "what it calls _COLOR, _RGBA_0"),
+        (
+            gltf([{"mesh": 0, "extensions": {"EXT_mesh_gpu_instancing": {
+                "attributes": {"TRANSLATION": 1, "_COLOR_0": 0}}}}]),
+            "what it calls _COLOR_0",
+        ),
+        (
+            gltf(meshes=[{"primitives": [{"attributes": {"POSITION": 0}, "extensions": {
+                "KHR_materials_variants": {"mappings": [{"material": 0, "variants": [0]}]}}}]}]),
+            "variants of its materials",
+        ),
+        (gltf(scenes=[{"nodes": [0]}, {"nodes": [0]}]), "scenes other than the default one"),
+    ],
+)  # fmt: skip
+def test_what_of_a_gltf_is_not_shown_is_told(tmp_path, document, told):
+    assert read(tmp_path, "a.gltf", document).notes == (f"left out: {told}",)
+
+
+def test_what_needs_no_light_is_shown_as_it_is(tmp_path):
+    document = gltf(materials=[{"extensions": {"KHR_materials_unlit": {}}}])
+    assert read(tmp_path, "a.gltf", document).notes == ()
 
 
 def test_hidden_parts_are_left_out_with_what_hangs_on_them(tmp_path):

@@ -17,7 +17,12 @@ from paint3d.device.sample import DIP
 from paint3d.errors import RecordingError
 from paint3d.painter.flat_input import dipped
 from paint3d.recording import number_table, recording
-from paint3d.recording.flat_recording import MM_PER_PIXEL, orientations_from_angles, spread_ties
+from paint3d.recording.flat_recording import (
+    MM_PER_PIXEL,
+    angles_from_orientations,
+    orientations_from_angles,
+    spread_ties,
+)
 from paint3d.recording.number_table import NumberTable
 from paint3d.recording.recording import Recording, TextLines, load_recording, save_recording
 
@@ -340,6 +345,25 @@ def test_tilts_lean_the_pen_to_their_own_sides(tmp_path, tilts, lean):
     wanted[2] = math.sqrt(1.0 - wanted @ wanted)
     assert handle == pytest.approx(wanted, abs=1e-9)
     assert recording.header["azimuth"] == "commanded"
+
+
+@pytest.mark.parametrize(
+    ("angles", "altitude", "azimuth"),
+    [
+        ([(0, 0), (0, 0)], 90, "dragged"),
+        ([(135, 0), (120, 0)], 90, "dragged"),
+        ([(135, 0), (135, 60)], 60, "commanded"),
+    ],
+)
+def test_a_pen_that_lies_flat_all_along_tells_no_angles(tmp_path, angles, altitude, azimuth):
+    """Office programs write angles of 0 for pens, fingers and mice that have none."""
+    channels = "".join(f'<channel name="{name}" units="deg"/>' for name in ("OA", "OE"))
+    points = ", ".join(f"{k} 0 {a} {e}" for k, (a, e) in enumerate(angles))
+    text = f"<ink><traceFormat>{MM}{channels}</traceFormat><trace>{points}</trace></ink>"
+    recording = load_recording(table(tmp_path, text, "a.inkml"))
+    _, found, _ = angles_from_orientations(recording.orientation)
+    assert np.degrees(found[-1]) == pytest.approx(altitude)
+    assert recording.header["azimuth"] == azimuth
 
 
 def test_tilts_and_directions_say_the_same(tmp_path):

@@ -8,7 +8,7 @@ from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from itertools import pairwise
+from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -301,12 +301,13 @@ def has_words(text: str) -> bool:
     return any(map(all, pairwise(letters)))
 
 
-def _word_of(line: str, k: int) -> int:
-    """The word, from 0, of character k of a line; a character that stands in a square is one."""
-    return sum(
+def _words_of(line: str) -> list[int]:
+    """The word, from 0, of every character of a line; one that stands in a square is a word."""
+    begins = (
         _is_wide(one) or _is_wide(after) or (one.isspace() and not after.isspace())
-        for one, after in pairwise(line[: k + 1])
+        for one, after in pairwise(line)
     )
+    return list(accumulate(begins, initial=0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -408,11 +409,11 @@ class FontText:
             else:
                 start = -length if shaper.is_rtl(line) else 0.0
                 at, middle = np.array([start, -pitch * k]), 0.5 * (ascender + descender)
-            starts = sorted({one.cluster for one in shaped})
+            starts, words = sorted({one.cluster for one in shaped}), _words_of(line)
             for body in bodies_of(shaped, self.font):
                 piece = self._piece(body, text_of(body.glyphs, starts, line), at, middle)
                 if in_words:
-                    piece = replace(piece, word=(k, _word_of(line, body.glyphs[0].cluster)))
+                    piece = replace(piece, word=(k, words[body.glyphs[0].cluster]))
                 pieces.append(piece)
         licence = self.font.licence
         if self.templates is not None:

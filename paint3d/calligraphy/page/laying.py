@@ -230,7 +230,11 @@ class _Sheet(TextPlace):
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
                 laid = self._arrange(page, move * self.em_mm)
-                placed = [self._lay_piece(piece, laid, move * self.em_mm) for piece in laid.pieces]
+                found = {
+                    k: self._lay_piece(laid.pieces[k], laid, move * self.em_mm)
+                    for k in _outermost_first(laid)
+                }
+                placed = [found[k] for k in range(len(found))]
                 self._check_apart(laid, placed)
                 return placed
             except MeshError as cause:
@@ -432,6 +436,17 @@ class _Sheet(TextPlace):
             frame = self.frame(climb.at(abs(height)))
             self._levels[height, sign] = self.walk(frame, (sign, 0.0))
         return self._levels[height, sign]
+
+
+def _outermost_first(page: Page) -> list[int]:
+    """Numbers of a page's pieces, those along its edges first: a surface ends there first."""
+    left, lower, right, upper = page.bounds
+
+    def room(k: int) -> float:
+        x, y = page.pieces[k].at
+        return min(x - left, right - x, y - lower, upper - y)
+
+    return sorted(range(len(page.pieces)), key=room)
 
 
 def _words_of(page: Page) -> dict[int, dict[int, list[Box]]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Protocol
 
@@ -188,7 +189,7 @@ class Page:
         """False: the lines of a page are set already."""
         return False
 
-    @property
+    @cached_property
     def bounds(self) -> Box:
         """The box around all pieces, glyph units."""
         return bounds_of(piece.box for piece in self.pieces)

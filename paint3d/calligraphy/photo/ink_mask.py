@@ -212,6 +212,7 @@ _DARK = 90.0  # per cent of what is inked take less light than unbroken ink
 _LENS_EDGE = 0.7  # pixels over which the steepness of edges is measured
 _SHARP, _SOFT = 25.0, 1.8  # per cent of edges are sharper than usual ink's; times as soft: stains'
 _PALE = 0.68  # of the ink's darkness: what is darker is no stain
+_PALE_AMONG, _AMONG = 0.75, 3.0  # the same of what lies so many widths from stains
 _BLOT_PX = 2.5  # half the width of the narrowest stain: what a lens spread is a hair
 _MOST_STAINED = 0.5  # of all that is dark
 _SPECK = 0.01  # squares of a stroke's width: smaller bits of ink are dust
@@ -322,7 +323,9 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
 def _stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_], int]:
     """Pale pieces whose edges are much softer than the ink's, a little around them; how many.
 
-    Where they are more than a part of all, what is pale is the writing.
+    Smaller ones that lie among them and are nearly as pale are of the same stain, though a fold or
+    the sheet's edge may end it sharply. Where they are more than a part of all, what is pale is the
+    writing.
     """
     from scipy.ndimage import (
         binary_dilation,
@@ -345,15 +348,21 @@ def _stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_]
     softness = dark[pieces] / np.maximum(steep, 1e-4)
     usual = float(np.percentile(softness[edges], _SHARP))
     soft = median(softness, np.where(edges, pieces, 0), each) > _SOFT * usual
-    pale = dark < _PALE * np.percentile(taken[mask], 75.0)
+    paleness = dark / np.percentile(taken[mask], 75.0)
     broad = maximum(distance_transform_edt(mask), pieces, each) > _BLOT_PX
-    stained = soft & pale & broad
+    stained = soft & (paleness < _PALE) & broad
     stained[0] = False
+    sizes = np.bincount(pieces.ravel())
+    if stained.any():
+        near = distance_transform_edt(~stained[pieces]) < _AMONG * _width(mask)
+        among = maximum(near, pieces, each).astype(bool) & (paleness < _PALE_AMONG) & broad
+        stained |= among & (sizes < sizes[stained].max())
     found = stained[pieces]
     if found.sum() > _MOST_STAINED * mask.sum():
         return np.zeros_like(mask), 0
-    sizes = np.bincount(pieces.ravel())
-    return binary_dilation(found, iterations=2), int((sizes[stained] > _width(mask) ** 2).sum())
+    least = _width(mask) ** 2
+    n_told = max(int((sizes[stained] > least).sum()), int(found.sum() > least))
+    return binary_dilation(found, iterations=2), n_told
 
 
 # ---- The mask of a rubbing -----------------------------------------------------------------------
@@ -616,7 +625,7 @@ _CINNABAR = np.array([0.08, 0.85, 0.75])  # densities in red, green and blue lig
 _COLOURED = 0.18  # by how much the density in green and blue exceeds that in red on a seal
 _MOST_RED = 0.55  # of the density in green: in red light a red seal is hardly seen
 _FEW = 2e-4  # of the sheet: fewer coloured pixels are no seal
-_LEAST_RED, _MOST_RED = 4e-3, 1.25  # shares of the light
+_DARKEST, _BRIGHTEST = 4e-3, 1.25  # shares of the paper's light
 
 
 @dataclass(frozen=True, eq=False)
@@ -641,7 +650,7 @@ def unmixed(reflected: NDArray[np.float32]) -> Inks:
     reflected : (H, W, 3) float32
         As a share of the paper's light.
     """
-    density = -np.log10(np.clip(reflected, _LEAST_RED, _MOST_RED))
+    density = -np.log10(np.clip(reflected, _DARKEST, _BRIGHTEST))
     red_way = _red_of(density)
     # what a point of the plane of both directions is made of; off its wedge, of the nearer side
     ways = np.stack([_BLACK, red_way])

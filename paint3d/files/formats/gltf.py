@@ -18,7 +18,14 @@ from numpy.typing import NDArray
 from paint3d.colour.spectra import decode_srgb
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import ExportError, MeshError, Message
-from paint3d.files.colours import REPEAT, Look, colour_shares, open_picture, srgb_from_linear
+from paint3d.files.colours import (
+    NAMED_AS_COLOUR,
+    REPEAT,
+    Look,
+    colour_shares,
+    open_picture,
+    srgb_from_linear,
+)
 from paint3d.files.contents import parse_json, read_beside
 from paint3d.files.finish import Finish, Texture
 from paint3d.files.raw_mesh import RawMesh, check_count, join_meshes, left_out
@@ -656,6 +663,7 @@ LEFT_OUT = {  # what of a material is left out, by its key
 OWN_SHINE = Message(
     "the gloss of its ink (a painting, .p3d, keeps it)"
 )  # of a painting: what it is painted on anew says how it shines
+SRGB_WRITERS = ("trimesh", "Open3D", "VTK")  # write colours of vertices as they have them
 TURNED = "KHR_texture_transform"
 GLOSSY = "KHR_materials_pbrSpecularGlossiness"
 WEBP = "EXT_texture_webp"
@@ -680,7 +688,9 @@ class GltfPaint:
         self.looks: list[Look] = []
         self._file = file
         asset = file.document.get("asset")
-        self._is_own = isinstance(asset, dict) and asset.get("generator") == GENERATOR
+        generator = str(asset.get("generator")) if isinstance(asset, dict) else ""
+        self._is_own = generator == GENERATOR
+        self._srgb_writer = next((name for name in SRGB_WRITERS if name in generator), None)
         self._pictures: dict[int, NDArray[np.uint8] | None] = {}
         self._known: dict[int, tuple[int, dict[str, Any]]] = {}
 
@@ -714,6 +724,20 @@ class GltfPaint:
             )
         return number, _placed(uv, turned)
 
+    def vertex_colours(self, values: AnyArray) -> NDArray[np.uint8] | None:
+        """Return the sRGB codes (V, 3) of COLOR_0: of linear colours, but for some writers'."""
+        shares, notes = colour_shares(values)
+        self.notes += notes
+        if shares is None or self._srgb_writer is None:
+            return None if shares is None else srgb_from_linear(shares)
+        self.notes.append(
+            Message(
+                "its vertex colours are taken as sRGB, as {writer} writes them",
+                writer=self._srgb_writer,
+            )
+        )
+        return np.floor(255.0 * shares + 0.5).astype(np.uint8)
+
     def _read(self, surface: dict[str, Any], wanted: bool) -> tuple[int, dict[str, Any]]:
         extensions = surface.get("extensions", {})
         colours = surface.get("pbrMetallicRoughness", {})
@@ -737,7 +761,7 @@ class GltfPaint:
             )
         if surface.get("alphaMode", "OPAQUE") != "OPAQUE":
             self.dropped.add(Message("transparency"))
-        if extensions.keys() - {TURNED, GLOSSY}:
+        if extensions.keys() - {TURNED, GLOSSY, UNLIT}:
             self.dropped.add(Message("extensions of its materials"))
         picture = None if texture is None else self._picture(texture["index"])
         wrap = REPEAT if picture is None else self._wrap(texture["index"])
@@ -790,7 +814,7 @@ TRIANGLES, STRIP, FAN = 4, 5, 6
 THIN = {0: Message("points")} | dict.fromkeys(
     (1, 2, 3), Message("lines")
 )  # modes of what has no surface
-LIGHTS = "KHR_lights_punctual"
+LIGHTS, VARIANTS = "KHR_lights_punctual", "KHR_materials_variants"
 HIDDEN, INSTANCES = "KHR_node_visibility", "EXT_mesh_gpu_instancing"
 MOST_INSTANCES = 1 << 17
 KNOWN = {  # extensions that a file may require: read, or what they say is noted as left out
@@ -805,7 +829,8 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     """Read the default scene, with the transforms of its nodes applied.
 
     Points and lines are passed over, as are skins and animations; that and what else is dropped
-    is noted. COLOR_0 is linear by the specification and comes back as sRGB codes.
+    is noted. COLOR_0 is linear by the specification and comes back as sRGB codes; some programs
+    write those into it, and are known by the name that they give.
 
     Parameters
     ----------
@@ -864,13 +889,24 @@ def _dropped(file: GltfFile) -> set[Message]:
     others = [name for name in others if not name.startswith(MATERIALS)]
     if others:
         dropped.add(Message("what the extensions {names} say", names=", ".join(others)[:60]))
-    if any(_is_hidden(node) for node in file.document.get("nodes", [])):
+    nodes = file.document.get("nodes", [])
+    if any(_is_hidden(node) for node in nodes):
         dropped.add(Message("hidden parts"))
+    if len(file.document.get("scenes", [])) > 1:
+        dropped.add(Message("scenes other than the default one"))
+    instanced = (node.get("extensions", {}).get(INSTANCES) for node in nodes)
+    names = {str(name) for one in instanced if one for name in one.get("attributes", {})}
     for mesh in file.document.get("meshes", []):
         for primitive in mesh.get("primitives", []):
+            names |= {str(name) for name in primitive.get("attributes", {})} - {"COLOR_0"}
+            if VARIANTS in primitive.get("extensions", {}):
+                dropped.add(Message("variants of its materials"))
             dropped |= {Message("morph targets")} if "targets" in primitive else set()
             mode = primitive.get("mode", TRIANGLES)
             dropped |= {THIN[mode]} if mode in THIN else set()
+    unread = sorted(filter(NAMED_AS_COLOUR.search, names))
+    if unread:
+        dropped.add(Message("what it calls {names}", names=", ".join(unread)[:60]))
     return dropped
 
 
@@ -967,9 +1003,7 @@ def _primitive(
         vertices = take_steps(vertices, others[STEPS][:, 0])
     colours = None
     if "COLOR_0" in others:
-        shares, notes = colour_shares(others["COLOR_0"])
-        paint.notes += notes
-        colours = None if shares is None else srgb_from_linear(shares)
+        colours = paint.vertex_colours(others["COLOR_0"])
     faces = _triangles(indices, mode)
     number, uv = paint.look_of(primitive, len(vertices), texture)
     if uv is not None:

@@ -42,6 +42,7 @@ LEFT_OUT = {  # what of a material is left out, by the words that begin its line
     b"map_bump": Message("relief (a bump map)"),
     b"norm": Message("relief (a normal map)"),
     b"map_d": Message("transparency"),
+    b"map_tr": Message("transparency"),
     b"map_ks": Message("gloss from a picture"),
     b"map_ke": Message("light of its own"),
     b"disp": Message("displacement"),
@@ -177,10 +178,11 @@ def _read_library(
     except MeshError as cause:
         notes.append(Message("materials are left out: {cause}", cause=cause))
         return
-    material = Material()
+    material, kinds = Material(), set[bytes]()
     for line in text.split(b"\n"):
         words = line.split()
         kind = words[0].lower() if words else b""
+        kinds.add(kind)
         if kind == b"newmtl":
             material = materials.setdefault(line.strip()[6:].strip(), Material())
         elif kind == b"kd" and len(words) >= 4:
@@ -195,10 +197,14 @@ def _read_library(
             material.clamped = options.get("-clamp", [b"off"])[:1] == [b"on"]
             material.scale = _pair(options.get("-s", []), 1.0)
             material.offset = _pair(options.get("-o", []), 0.0)
+            if options.get("-mm", [b"0", b"1"]) != [b"0", b"1"]:
+                dropped.add(Message("brightness and contrast of a picture (-mm)"))
         elif kind in LEFT_OUT:
             dropped.add(LEFT_OUT[kind])
         elif kind == b"d" and _part(words[1:2]) < 1.0:
             dropped.add(Message("transparency"))
+    if b"map_ka" in kinds and b"map_kd" not in kinds:  # else it is mostly the same picture
+        dropped.add(Message("pictures of ambient light"))
 
 
 def _part(words: list[bytes]) -> float:
@@ -355,16 +361,17 @@ def _vertices(
     numbers = _numbers(b"\n".join(lines))
     first = np.cumsum(widths) - widths
     vertices = numbers[first[:, None] + np.arange(3)]
-    rgb = np.empty((len(lines), 3))
+    rgba = np.zeros((len(lines), 4))
     for width in COLOURED:
         rows = np.flatnonzero(widths == width)
         table = numbers[first[rows, None] + np.arange(width)]
         column = _colour_column(table)
-        rgb[rows] = table[:, column : column + 3]
+        found = table[:, column : column + 4]
+        rgba[rows, : found.shape[1]] = found
     coloured = np.isin(widths, COLOURED)
     if not coloured.any():
         return vertices, None, ()
-    codes, notes = colour_codes(rgb[coloured])
+    codes, notes = colour_codes(rgba[coloured])
     if codes is None:
         return vertices, None, notes
     colours = np.full((len(lines), 3), 255, np.uint8)

@@ -157,10 +157,10 @@ def _attributes(
         return _columns(table, slice(3, 6)), None, ()
     first, last = slice(3, 6), slice(width - 3, width)
     if not is_normal or width < 9:
-        return None, *_colours(table, first)
+        return None, *_colours(table, slice(3, min(width, 7)))
     after = _are_unit(_columns(table, last)) and not _are_unit(_columns(table, first))
-    normals, colours = (last, first) if after else (first, slice(6, 9))
-    return _columns(table, normals), *_colours(table, colours)
+    normals, start = (last, 3) if after else (first, 6)
+    return _columns(table, normals), *_colours(table, slice(start, start + min(width - 6, 4)))
 
 
 def _unannounced(
@@ -170,7 +170,7 @@ def _unannounced(
         return None, ()
     words = [word for row in table for word in row[3:6]]
     if all(word.isdigit() for word in words) and max(map(int, words)) <= 255:
-        return _colours(table, slice(3, 6))
+        return _colours(table, slice(3, width))
     return None, left_out([Message("numbers after the places of vertices")])
 
 
@@ -200,13 +200,14 @@ def _face_colours(
     notes = left_out([Message("numbers of colours")]) if numbered else ()
     if not coloured.any():
         return None, notes
-    words = [word for row in after if len(row) >= 3 for word in row[:3]]
+    width = min(4, *(len(row) for row in after if len(row) >= 3))
+    words = [word for row in after if len(row) >= 3 for word in row[:width]]
     try:
-        rgb = parse_numbers(b" ".join(words), Message("a face")).reshape(-1, 3)
+        rgba = parse_numbers(b" ".join(words), Message("a face")).reshape(-1, width)
     except MeshError:  # words of no colour, after faces of somebody's dialect
         return None, left_out([FACE_COLOURS])
     whole = all(word.isdigit() for word in words)
-    codes, told = colour_codes(rgb, 255 if whole else 1, FACE_COLOURS)
+    codes, told = colour_codes(rgba, 255 if whole else 1, FACE_COLOURS)
     notes += told
     if codes is None:
         return None, notes

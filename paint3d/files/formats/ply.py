@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,6 +15,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError, Message
 from paint3d.files.colours import (
     COLOUR_NAMES,
+    NAMED_AS_COLOUR,
     VERTEX_COLOURS,
     Look,
     colour_codes,
@@ -472,9 +472,6 @@ STRIP_END = -1
 LISTS_OF_COLOURS = ("rgb", "rgba", "color", "colors", "colour", "colours")
 SPLATS = ("f_dc_0", "f_dc_1", "f_dc_2")  # of Gaussian splatting: spherical harmonics of degree 0
 SH_0 = 0.28209479177387814  # 1 / (2 sqrt(pi))
-NAMED_AS_COLOUR = re.compile(
-    r"(?:^|_)(?:red|green|blue|rgba?|bgra?|colou?rs?|f_dc)(?:_|\d|$)", re.I
-)
 
 
 def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
@@ -584,8 +581,8 @@ def _strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int6
 
 def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     names = _colour_names(vertex)
-    if names == SPLATS:
-        shares = SH_0 * np.stack([vertex.values[k].astype(np.float64) for k in SPLATS], axis=1)
+    if tuple(name.lower() for name in names) == SPLATS:
+        shares = SH_0 * np.stack([vertex.values[k].astype(np.float64) for k in names], axis=1)
         codes, notes = colour_codes(np.clip(0.5 + shares, 0.0, 1.0))
         return codes, (Message("its Gaussian splats are taken as points"), *notes)
     return colour_codes(_colour_table(vertex, names)) if names else (None, ())
@@ -593,11 +590,11 @@ def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[Message, 
 
 def _colour_names(element: Element) -> tuple[str, ...]:
     """Return the names of the columns that are an element's colours: three, or one of lists."""
-    scalars = set(element.values) - set(element.list_sizes)
+    scalars = {name.lower(): name for name in element.values if name not in element.list_sizes}
     triples = (*COLOUR_NAMES, SPLATS) if element.name == "vertex" else COLOUR_NAMES
     for names in triples:
-        if set(names) <= scalars:
-            return names
+        if set(names) <= scalars.keys():
+            return tuple(scalars[name] for name in names)
     for name in LISTS_OF_COLOURS:
         sizes = element.list_sizes.get(name)
         if sizes is not None and len(sizes) and sizes[0] in (3, 4) and (sizes == sizes[0]).all():
@@ -606,10 +603,14 @@ def _colour_names(element: Element) -> tuple[str, ...]:
 
 
 def _colour_table(element: Element, names: tuple[str, ...]) -> AnyArray:
-    """Return an element's colours (N, 3) of any type."""
+    """Return an element's colours (N, 3), or with opacities (N, 4), of any type."""
     if len(names) == 3:
-        return np.stack([element.values[k] for k in names], axis=1)
-    return element.values[names[0]].reshape(len(element.list_sizes[names[0]]), -1)[:, :3]
+        columns = [element.values[k] for k in names]
+        opacity = element.values.get("alpha", element.values.get("a"))
+        if opacity is not None and opacity.dtype == columns[0].dtype and opacity.ndim == 1:
+            columns.append(opacity)
+        return np.stack(columns, axis=1)
+    return element.values[names[0]].reshape(len(element.list_sizes[names[0]]), -1)
 
 
 def _unread_colours(element: Element) -> list[str]:
