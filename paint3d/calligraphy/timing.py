@@ -1,8 +1,8 @@
 """Timing: paths of strokes become one motion of the hand, sampled evenly.
 
 Within a stroke the hand follows v ~ curvature^-0.29, in one swell from bend to bend whatever small
-sways its course has, slows down to turn the holder, and starts and ends at rest; between strokes it lifts and moves over with least jerk; between characters it rises,
-dips the brush, and comes back.
+sways its course has, slows down to turn the holder, and starts and ends at rest; between strokes it
+lifts and moves over with least jerk; between characters it rises, dips the brush, and comes back.
 """
 
 from __future__ import annotations

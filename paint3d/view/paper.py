@@ -38,20 +38,11 @@ Where grain doubles what is seen of ink, a place shows that of one `carried_mm` 
 """
 SHADER = Path(__file__).with_name("paper.glsl").read_text("utf-8")
 """GLSL that reads it; `Paper.add_to` says what it is called by."""
-_CONSTANTS = "".join(
-    f"const float {name.upper()} = {float(RECIPE[name])!r};\n"
-    for name in (
-        "tile_mm",
-        "pixels",
-        "light_range",
-        "grain_range",
-        "black",
-        "in_dark",
-        "pits",
-        "pit_from",
-        "carried_mm",
-    )  # fmt: skip
-)
+_READ = (
+    "tile_mm", "pixels", "light_range", "grain_range", "black", "in_dark", "pits", "pit_from",
+    "carried_mm",
+)  # fmt: skip
+_CONSTANTS = "".join(f"const float {name.upper()} = {float(RECIPE[name])!r};\n" for name in _READ)
 """GLSL: the numbers of the recipe that it reads."""
 _OF_CODES = 1.0 / 2.2  # what of a small change of light is one of codes
 

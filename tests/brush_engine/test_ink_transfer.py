@@ -359,8 +359,8 @@ def test_wet_ink_is_even_along_a_stroke_however_often_it_is_followed(ink, n, lev
     x, y = surface.paint_mesh.vertices[:, :2].T
     coats = surface.ink.amounts[: surface.n_vertices].sum(axis=1)
     paler = []
-    for line in np.unique(y[np.abs(y) < 1.5]):
-        row = np.flatnonzero((y == line) & (np.abs(x) < 7.0))
+    for beside in np.unique(y[np.abs(y) < 1.5]):
+        row = np.flatnonzero((y == beside) & (np.abs(x) < 7.0))
         row = coats[row[np.argsort(x[row])]]
         paler.append(row < level * median_filter(row, 9))
     # .007 where what ran ahead lay beside what came; .017 of thin ink that ran under the tuft
