@@ -312,7 +312,7 @@ def test_wet_replays_take_what_is_due_and_come_out_as_if_all_were_moved():
     (area, square, whole, steps), exact = found
     assert area == pytest.approx(exact[0], rel=0.02)
     assert square == pytest.approx(exact[1], rel=0.02)
-    assert whole == pytest.approx(exact[2], rel=1e-3)
+    assert whole == pytest.approx(exact[2], rel=3e-3)
     assert steps < 0.8 * exact[3]
 
 

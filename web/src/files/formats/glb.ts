@@ -38,6 +38,7 @@ const [HIDDEN, INSTANCES] = ["KHR_node_visibility", "EXT_mesh_gpu_instancing"];
 const [LIGHTS, GLOSSY] = ["KHR_lights_punctual", "KHR_materials_pbrSpecularGlossiness"];
 const MOST_INSTANCES = 1 << 17;
 const MATERIALS = "KHR_materials_";
+const SRGB_WRITERS = ["trimesh", "Open3D", "VTK"]; // write colours of vertices as they have them
 const KNOWN = [
   DRACO, MESHOPT, "KHR_mesh_quantization", HIDDEN, INSTANCES, LIGHTS, "KHR_texture_transform", "EXT_texture_webp",
   "KHR_texture_basisu", "EXT_texture_avif", "KHR_animation_pointer", "KHR_xmp_json_ld",
@@ -208,6 +209,11 @@ class File {
       throw new MeshError("its JSON is not an object; expected a glTF document");
     this.document = document as Row;
     checkKinds(this.document);
+  }
+
+  /** What wrote the file, as it says. */
+  get generator(): string {
+    return String((this.document.asset as Row | undefined)?.generator ?? "");
   }
 
   /** One entry of a top-level list such as "nodes". */
@@ -458,7 +464,11 @@ function primitive(file: File, one: Row, told: Note[], dropped: Set<Note>): RawM
     const { rows, width } = others.COLOR_0;
     const { shares, notes } = colourShares(rows.filter((_, k) => k % width < 3), "f8");
     told.push(...notes);
-    if (shares !== null) colours = srgbFromLinear(shares);
+    const writer = SRGB_WRITERS.find((name) => file.generator.includes(name));
+    if (shares !== null && writer !== undefined) {
+      told.push(noted("its vertex colours are taken as sRGB, as {writer} writes them", { writer }));
+      colours = Uint8Array.from(shares, (share) => Math.floor(255 * share + 0.5));
+    } else if (shares !== null) colours = srgbFromLinear(shares);
   }
   if (one.material !== undefined) {
     const surface = file.item("materials", one.material);
