@@ -146,7 +146,7 @@ class Paper:
 
     @property
     def read(self) -> str:
-        """GLSL: a vec2 `ofSheet` of a place, how bright its paper is and `more_ink`; 0 on average."""
+        """GLSL: a vec2 `ofSheet`: how bright a place's paper is, and `more_ink`; 0 on average."""
         return f"{self._amount:.3f} * paper(surfacePlace)"
 
     @property
