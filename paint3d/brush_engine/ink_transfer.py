@@ -229,7 +229,6 @@ _FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one swe
 _TOLD = 0.02  # of the ink in a tuft, a pigment by which its liquid is told on the surface
 _FED_MM = 1.0  # way on which it puts back all but 1 / e of what has run from under it
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
-_SOFT_RIM = 0.4  # height of a tuft's liquid below which it puts less on what is wet already
 _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
 # speed of a hand at which h is that, the power it falls with, and the least speed that counts
 _EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.25, 4.0
@@ -441,7 +440,7 @@ def _take_less(n, take, coats, covered, heights, brings, draws, per_coat, share)
 
 
 @uncounted(error_model="numpy")
-def _saturate(after, found, n, ink):
+def _saturate(after, sweep, found, n, ink):
     """Let wet paper take less of what comes on the way: docs/model.md, equation (12b).
 
     So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
@@ -452,6 +451,7 @@ def _saturate(after, found, n, ink):
         return False
     speed = max(after.values[0].speed, _SLOWEST_MM_S)
     per_coat = np.float32((speed / _EVEN_MM_S) ** _LINGERS / _SATURATED)
+    _find_heights(sweep.to_after, after, found, n)
     _take_less(
         n, found.take, found.coats, found.covered, found.heights, found.brings, draws, per_coat,
         found.share,
@@ -460,20 +460,17 @@ def _saturate(after, found, n, ink):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _find_lacking(n, film, softly, cover, take, covered, heights, coats, lacks):
+def _find_lacking(n, film, cover, take, covered, coats, lacks):
     """Fill coats of a first film that vertices lack, times the area's share that is newly covered.
 
     `coats`, what lies on each, becomes what it falls short of the film where it was covered
-    already; `softly`, 0 to 1, less of it towards the rim of the tuft's liquid, whose `heights` are
-    given, so that strokes run into each other. Returns whether any does.
+    already. Returns whether any does.
     """
-    zero, one, short = np.float32(0.0), np.float32(1.0), np.int32(0)
-    per_height, part = np.float32(1.0 / _SOFT_RIM), np.float32(softly)
+    zero, short = np.float32(0.0), np.int32(0)
     for k in range(n):
         whole = film * take[k]
         lacks[k] = whole * max(zero, cover[k] - covered[k])
-        soft = one - part * (one - min(one, per_height * heights[k]))
-        coats[k] = soft * (whole * min(cover[k], covered[k]) - coats[k])
+        coats[k] = whole * min(cover[k], covered[k]) - coats[k]
         short = max(short, np.int32(coats[k] > zero))
     return short > 0
 
@@ -517,10 +514,7 @@ def _lay_first_film(coats, unit, before, after, found, n, field, ink, scratch):
     """
     share, lacks = found.share, found.lacks
     film = np.float32(coats)
-    softly = absorbency(ink) if ink.reservoirs.shape[0] == 1 else 0.0  # a tip of its own draws on
-    if _find_lacking(
-        n, film, softly, found.cover, found.take, found.covered, found.heights, found.coats, lacks
-    ):
+    if _find_lacking(n, film, found.cover, found.take, found.covered, found.coats, lacks):
         begun = found.heights
         if before.values[0].touches > 0.0:
             sweep, chords = scratch.sweep[0], scratch.chords
@@ -573,11 +567,9 @@ def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
     fetch_found(found, n, field.take, found.take)
     fetch_found(found, n, ink.coverage, found.covered)
     _fetch_coats(found.runs, found.count[0], found.ids, n, ink.amounts, found.coats)
-    if absorbency(ink) > 0.0:
-        _find_heights(scratch.sweep[0].to_after, after, found, n)
     if ink.load.shape[0] > 1:
         _count_drained(found, n, ink)
-    if landing > 0.0 and _saturate(after, found, n, ink):
+    if landing > 0.0 and _saturate(after, scratch.sweep[0], found, n, ink):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
         rest = weighed / whole
     if ink.reservoirs.shape[0] > 1 and ink.load.shape[0] > 1:
