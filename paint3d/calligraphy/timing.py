@@ -46,8 +46,8 @@ __all__ = [
 _TURN_RADIUS = 3.0  # mm of way that a turn of the holder by one radian counts for
 _CURVATURE_POWER = -0.29
 _FINEST_CURVE = 0.003  # of the em: finer curves are rounded
-_SWAY, _SWAY_TOLD = 0.06, 0.0006  # of the em: shorter sways are left out, if they are as small
-_SWAY_ROUNDS = 6  # in which what was changed more counts more
+_SWAY, _SWAY_TOLERANCE = 0.06, 0.0006  # of the em: shorter sways are smoothed, by so much at most
+_SWAY_ROUNDS = 6  # of weighing anew what was changed by more
 _TOUCHING_MM = 1e-6  # how deep a brush that touches stays at least
 _REFERENCE_RADIUS = 0.25  # of the em: curves this wide are travelled at cruising speed
 _BROADEST = 1.4  # of cruising speed: what wide curves allow
@@ -162,18 +162,18 @@ def _even_path(poses: AnyArray, em_mm: float) -> tuple[NDArray[np.float64], floa
     path = smooth_along(path, _FINEST_CURVE * per_em)
     down = path[:, 2] < 0.0
     for k, unit in enumerate((1.0, 1.0, 1.0, _TURN_RADIUS)):
-        told = _SWAY_TOLD * em_mm / unit
-        path[:, k] = _without_sway(path[:, k], _SWAY * per_em, told)
+        tolerance = _SWAY_TOLERANCE * em_mm / unit
+        path[:, k] = _smooth_sway(path[:, k], _SWAY * per_em, tolerance)
     path[down, 2] = np.minimum(path[down, 2], -_TOUCHING_MM)
     return path, float(way[-1])
 
 
-def _without_sway(values: AnyArray, longest: float, told: float) -> NDArray[np.float64]:
-    """Leave out of values (N,) what sways by less than `told` over fewer than so many steps.
+def _smooth_sway(values: AnyArray, longest: float, tolerance: float) -> NDArray[np.float64]:
+    """Smooth what in values (N,) sways over fewer than `longest` steps, by about a tolerance.
 
     A course is planned between knots, at each of which a hand would have to slow down. This is
     Whittaker's smoothing (1923) by third differences, with more weight in each round on what it
-    changed by more than `told`; both ends stay.
+    changed by more than the tolerance; both ends stay.
     """
     n, order = len(values), 3
     differences = np.array([-1.0, 3.0, -3.0, 1.0])
@@ -188,7 +188,7 @@ def _without_sway(values: AnyArray, longest: float, told: float) -> NDArray[np.f
         system = bands.copy()
         system[order] += weights
         smooth: NDArray[np.float64] = solveh_banded(system, weights * values)
-        weights[1:-1] *= np.maximum(1.0, ((smooth - values) / told) ** 2)[1:-1]
+        weights[1:-1] *= np.maximum(1.0, ((smooth - values) / tolerance) ** 2)[1:-1]
     smooth[[0, -1]] = values[[0, -1]]
     return smooth
 

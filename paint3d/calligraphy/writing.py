@@ -53,7 +53,7 @@ from paint3d.mesh.triangle_mesh import TriangleMesh
 __all__ = ["WritingSettings", "Written", "plan_ahead", "write_page", "write_text"]
 
 MOST_VARIATION = 3.0
-MOST_HASTE = 4.0  # beyond, a planned way has accelerations that no hand reaches
+MOST_HAND_SPEED = 4.0  # beyond, a planned way has accelerations that no hand reaches
 
 _WIDEST = 0.2  # ems: the last footprint of the table
 _NODES_PER_EM = 24.0
@@ -80,7 +80,7 @@ class WritingSettings:
         0: every character as the copybook has it; 1: as a practised hand varies; at most 3.
     seed : int
         Of that variation, 0 or more: the same seed, text and settings give the same motion.
-    haste : float
+    hand_speed : float
         How many times as fast as planned it is written, 1 to 4: the same ways in less time.
     """
 
@@ -90,7 +90,7 @@ class WritingSettings:
     tempo: Tempo = field(default_factory=Tempo)
     variation: float = 0.0
     seed: int = 0
-    haste: float = 1.0
+    hand_speed: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -229,7 +229,7 @@ def _write(
 ) -> Written:
     """Plan every glyph once, lay it wherever it stands, and join the ways."""
     as_number(settings.variation, "variation", 0.0, MOST_VARIATION)
-    as_number(settings.haste, "haste", 1.0, MOST_HASTE)
+    as_number(settings.hand_speed, "hand_speed", 1.0, MOST_HAND_SPEED)
     as_number(settings.seed, "seed", 0)
     tuft, footprints, settings = _prepare(placed, settings)
     glyphs = {id(piece.glyph): piece.glyph for piece in placed}
@@ -485,7 +485,7 @@ def _describe_piece(piece: PlacedPiece) -> dict[str, Any]:
 def _recording(
     hand: HandMotion, settings: WritingSettings, header: Mapping[str, object]
 ) -> Recording:
-    rate_hz = settings.tempo.rate_hz * settings.haste
+    rate_hz = settings.tempo.rate_hz * settings.hand_speed
     step_ns = round(1e9 / rate_hz)
     entries = {"devices": {"right": f"planned, {rate_hz:g} Hz"}, **header}
     return Recording(

@@ -664,5 +664,5 @@ def settings_of(options: argparse.Namespace) -> WritingSettings:
         planning,
         variation=options.variation,
         seed=1 if options.seed is None else options.seed,
-        haste=options.hand_speed,
+        hand_speed=options.hand_speed,
     )

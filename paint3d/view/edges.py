@@ -147,7 +147,7 @@ class EdgeShaders(NamedTuple):
         if paper is None:
             return f"  float moreInk = 0.0, torn = 0.0;\n{self.fragment}"
         return f"""  vec2 ofSheet = {paper.read};
-  float moreInk = {paper.more_ink}, torn = clamp(1.0 + {_TORN:.1f} * ofSheet.x, 0.1, 3.0);
+  float moreInk = ofSheet.y, torn = clamp(1.0 + {_TORN:.1f} * ofSheet.x, 0.1, 3.0);
 {self.fragment}
   painted = in_grain(painted, bareCodes, moreInk, surfacePlace);
 """

@@ -146,13 +146,11 @@ class Paper:
 
     @property
     def read(self) -> str:
-        """GLSL: a vec2 `ofSheet`: how bright a place's paper is, and `more_ink`; 0 on average."""
-        return f"{self._amount:.3f} * paper(surfacePlace)"
+        """GLSL: a vec2 of a place, 0 on average.
 
-    @property
-    def more_ink(self) -> str:
-        """GLSL: how much more of its ink is seen there, as an exponent."""
-        return "ofSheet.y"
+        How bright its paper is, and how much more of its ink is seen there, as an exponent.
+        """
+        return f"{self._amount:.3f} * paper(surfacePlace)"
 
 
 def show_paper(actor: Any, mesh: Any, places: AnyArray, paper: Paper, *, codes: bool) -> None:

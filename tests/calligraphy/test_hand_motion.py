@@ -170,12 +170,12 @@ def test_a_faster_hand_goes_the_same_ways_in_less_time() -> None:
     usual = WritingSettings(load_brush("xiaokai"), 20.0, variation=1.0)
     one, two = (
         write_text(load_mesh("plane"), "一一", OneStroke(), settings).recording
-        for settings in (usual, replace(usual, haste=4.0))
+        for settings in (usual, replace(usual, hand_speed=4.0))
     )
     np.testing.assert_array_equal(4 * two.time_ns, one.time_ns)
     np.testing.assert_array_equal(two.position, one.position)
-    with pytest.raises(InputError, match="haste"):
-        write_text(load_mesh("plane"), "一", OneStroke(), replace(usual, haste=5.0))
+    with pytest.raises(InputError, match="hand_speed"):
+        write_text(load_mesh("plane"), "一", OneStroke(), replace(usual, hand_speed=5.0))
 
 
 def test_a_hand_that_shakes_too_much_is_refused() -> None:

@@ -205,8 +205,8 @@ def test_bare_paper_is_the_same_to_the_code_where_ink_has_grain(surface, monkeyp
     edges = edges_of(surface)
     seen = [
         picture[bare]
-        for more_ink in (Paper.more_ink, property(lambda _: "0.0"))
-        for _ in [monkeypatch.setattr(Paper, "more_ink", more_ink)]
+        for read in (Paper.read, property(lambda _: "vec2(0.0)"))
+        for _ in [monkeypatch.setattr(Paper, "read", read)]
         for picture in (
             flat(surface, 0.3, 0.0, 15.0, edges, 1.0),
             live(surface, 0.3, 0.0, 15.0, "xuan"),
