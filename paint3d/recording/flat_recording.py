@@ -26,7 +26,7 @@ __all__ = [
     "join_strokes",
     "notes_of",
     "orientations_from_angles",
-    "spread_ties",
+    "spread_equal_times",
 ]
 
 DEFAULT_LEAN = -0.25 * math.pi
@@ -83,7 +83,7 @@ def angles_from_orientations(orientations: AnyArray) -> tuple[AnyArray, AnyArray
     return azimuth, altitude, np.arctan2(across, along)
 
 
-def spread_ties(time_ns: NDArray[np.int64]) -> tuple[AnyArray, int]:
+def spread_equal_times(time_ns: NDArray[np.int64]) -> tuple[AnyArray, int]:
     """Times with runs of equal ones spread evenly up to the next later time.
 
     Tablets hand over several points at once under one time stamp. Nothing is dropped and no
