@@ -38,7 +38,7 @@ from paint3d.core.atomic import write_atomically
 from paint3d.device.recorded import FORMAT, MAX_FORCE_N, UNIT_TOLERANCE, Recording, checked_header
 from paint3d.errors import ExportError, RecordingError
 from paint3d.recording.flat_recording import MM_PER_PIXEL, notes_of
-from paint3d.recording.read_table import read_csv, read_plain_table, write_csv
+from paint3d.recording.table import read_csv, read_plain_table, write_csv
 from paint3d.recording.units import TO_MM, units_of
 
 __all__ = [
@@ -112,7 +112,7 @@ def load_recording(
         start = stream.peek(512)[:512].lstrip(b"\xef\xbb\xbf \t\r\n")
         on_read = None if progress is None else fraction_reporter(raw, progress)
         if start.startswith(b"<"):
-            from paint3d.recording.read_inkml import read_inkml  # XML, which few recordings are in
+            from paint3d.recording.inkml import read_inkml  # XML, which few recordings are in
 
             data = stream.read(_MAX_XML_BYTES + 1)
             if len(data) > _MAX_XML_BYTES:
@@ -598,7 +598,7 @@ def _format_numbers(numbers: AnyArray) -> str:
 
 
 def _inkml(recording: Recording) -> Iterator[str]:
-    from paint3d.recording.read_inkml import write_inkml
+    from paint3d.recording.inkml import write_inkml
 
     return write_inkml(recording)
 
