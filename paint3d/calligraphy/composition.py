@@ -166,7 +166,7 @@ def place_on(sheet: Sheet, point: Sequence[float]) -> tuple[float, float]:
 
 
 def stands_in_squares(text: str) -> bool:
-    """Whether all letters of a text, marks apart, are those that are written in squares.
+    """Return whether all letters of a text, marks apart, are those that are written in squares.
 
     Raises
     ------
@@ -182,7 +182,7 @@ def _verses_of(text: str) -> list[str]:
 
 
 def _is_mark(character: str) -> bool:
-    """Whether it is punctuation, which calligraphers do not write: it ends a verse."""
+    """Return whether it is punctuation, which calligraphers do not write: it ends a verse."""
     return unicodedata.category(character)[0] == "P"
 
 

@@ -141,7 +141,7 @@ class Ring:
 
     @property
     def goes_round(self) -> bool:
-        """Whether it goes at least half round the axis of the body."""
+        """True if it goes at least half round the axis of the body."""
         return self.n_turns >= _TURN
 
     def find_arc(

@@ -145,7 +145,7 @@ def colour_shares(
 
 
 def is_coloured(codes: NDArray[np.uint8] | None) -> bool:
-    """Whether there are colours, and not all of them white."""
+    """Return whether there are colours, and not all of them white."""
     return codes is not None and bool((codes < BYTE).any())
 
 

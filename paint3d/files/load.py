@@ -48,7 +48,7 @@ Foreign: TypeAlias = Any
 
 
 def is_built_in(name: str) -> bool:
-    """Whether a name says a built-in object or a sheet."""
+    """Return whether a name says a built-in object or a sheet."""
     return name in BUILT_IN_OBJECTS or is_sheet(name)
 
 

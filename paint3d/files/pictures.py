@@ -48,7 +48,7 @@ class Turning(NamedTuple):
 
     @property
     def n_pictures(self) -> int:
-        """How many pictures it has, 2 at least."""
+        """Number of pictures it has, 2 at least."""
         return max(2, round(self.seconds * self.rate))
 
 
@@ -126,7 +126,7 @@ class Filmed(NamedTuple):
 
     @property
     def n_held(self) -> int:
-        """How many pictures more the finished painting is shown."""
+        """Number of pictures more the finished painting is shown."""
         return round(self.hold * self.rate)
 
     def check(self, path: Path, shot: Shot, n_pictures: int) -> str:

@@ -120,7 +120,7 @@ class Reading:
 
     @property
     def is_oddly_up(self) -> bool:
-        """Whether its shape surely stands otherwise than the mesh does."""
+        """True if its shape surely stands otherwise than the mesh does."""
         return self.up_by_shape.sure and self.up_by_shape.up != "z"
 
 

@@ -29,7 +29,7 @@ _MOST_WORDS = 40  # of a line in which names are looked for
 
 
 def refers_to_apart(mesh: Path, file: Path) -> bool:
-    """Whether a mesh file speaks of another one: asked in a child with limits.
+    """Return whether a mesh file speaks of another one: asked in a child with limits.
 
     Nothing is started where the names tell that it cannot. A mesh that reaches the limits speaks
     of nothing: whoever reads it says what is wrong with it.
@@ -50,7 +50,7 @@ def child_references(path: Path, wanted: list[Any]) -> Found:
 
 
 def may_refer_to(mesh: Path, file: Path) -> bool:
-    """Whether a mesh file could speak of another one, by their names alone; neither is opened."""
+    """Return whether a mesh file could refer to another one, by their names alone, unopened."""
     wanted, top = os.path.realpath(file), os.path.realpath(mesh.parent)
     try:
         inside = os.path.isfile(wanted) and os.path.commonpath([top, wanted]) == top
@@ -60,7 +60,7 @@ def may_refer_to(mesh: Path, file: Path) -> bool:
 
 
 def refers_to(mesh: Path, file: Path) -> bool:
-    """Whether a mesh file speaks of another one, directly or in its materials.
+    """Return whether a mesh file speaks of another one, directly or in its materials.
 
     What cannot be read speaks of nothing: whoever reads the mesh says what is wrong with it.
 

@@ -177,7 +177,7 @@ def join_strokes(
     stroke: NDArray[np.int64],
     header: dict[str, Any],
 ) -> Recording:
-    """One pad recording of several strokes, with the pen lifted in between (see `Lifts`).
+    """Join several strokes to one pad recording, with the pen lifted between (see `Lifts`).
 
     A pad without pressure is taken to press at 0.5 while it touches.
 
@@ -202,7 +202,7 @@ def join_strokes(
 
 
 def notes_of(header: Mapping[str, object]) -> list[str]:
-    """What was assumed or put right when a recording was read, to be told; a file may hold more."""
+    """Notes in a recording's header on what was assumed or put right when it was read."""
     notes = header.get("notes")
     return [note for note in notes if isinstance(note, str)] if isinstance(notes, list) else []
 

@@ -135,7 +135,7 @@ class Command:
 
 @dataclass(frozen=True)
 class Shortcut:
-    """One way to ask for a command.
+    """A way to ask for a command.
 
     Attributes
     ----------

@@ -22,7 +22,7 @@ from paint3d.app.model.stroke_log import ERASES, Stroke
 from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, set_whole, with_fallback
 from paint3d.calligraphy.glyph_sources import has_letters, load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
-from paint3d.calligraphy.layout import LEAST_EM_MM, MOST_EM_MM, Layout, PlacedCharacter, layout_text
+from paint3d.calligraphy.layout import LEAST_EM_MM, MOST_EM_MM, Layout, layout_text
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.opening import set_in
@@ -66,7 +66,7 @@ _GRID_LINES = {
 
 @dataclass(eq=False)
 class Ghost:
-    """One character of a copybook, or a piece of a page.
+    """A character of a copybook, or a piece of a page.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Ghost:
 
     @property
     def is_written(self) -> bool:
-        """Whether it has as many strokes as its glyph."""
+        """True if it has as many strokes as its glyph."""
         return len(self.strokes) >= len(self.glyph.strokes)
 
     @property
@@ -149,7 +149,7 @@ class Ghost:
             return square.chart
 
     def compare(self, surface: PaintedSurface) -> Likeness | None:
-        """How like the glyph the painting in the square is; None where nothing is painted.
+        """Likeness of the painting in the square to the glyph; None where nothing is painted.
 
         All paint there counts, of all layers.
         """
@@ -185,7 +185,7 @@ class Ghost:
 
 @dataclass(frozen=True)
 class CopybookMark:
-    """What a stroke meant to a copybook.
+    """Mark that a stroke gets from a copybook.
 
     Attributes
     ----------
@@ -304,7 +304,11 @@ class Copybook:
             glyphs = load_glyphs(source, "".join(text.split()))
             squares = layout_text(surface, text, em_mm, layout)
             placed = [PlacedPiece(glyphs[one.text], one.square) for one in squares]
-            self.lines = _lines_of(squares)
+            lines = "".join(
+                ("\n" if k and one.line != squares[k - 1].line else "") + one.text
+                for k, one in enumerate(squares)
+            )
+            self.lines = lines
         else:
             self.page, placed = lay_page(surface, text, em_mm, layout)
         self._surface = surface
@@ -387,7 +391,7 @@ class Copybook:
             self._counted[id(stroke)] = _Counted(stroke, len(stroke.samples))
 
     def go_on_from(self, other: Copybook) -> None:
-        """Have counted what another copybook of the same characters, in the same places, has."""
+        """Take over the counts of another copybook of the same characters in the same places."""
         with other._keeping:
             self.marks = dict(other.marks)
             self._counted = {
@@ -439,7 +443,7 @@ class Copybook:
 
 @dataclass(eq=False)
 class _Counted:
-    """What a stroke was counted for: the places of characters, and how many of its samples."""
+    """A stroke and what it was counted for: its characters' indices, and its samples so far."""
 
     stroke: Stroke  # held: its id stands for it
     n_samples: int = 0
@@ -465,17 +469,8 @@ def _strokes_in(path: BrushPath, *, is_over: bool) -> tuple[list[tuple[int, int]
     return runs, n
 
 
-def _lines_of(placed: Sequence[PlacedCharacter]) -> str:
-    """A text with a line break after each column or row."""
-    text = "".join(
-        ("\n" if k and one.line != placed[k - 1].line else "") + one.text
-        for k, one in enumerate(placed)
-    )
-    return text
-
-
 def _count_inside(ghost: Ghost, points: AnyArray) -> int:
-    """How many of the points lie in a character's square."""
+    """Number of points that lie in a character's square."""
     em = ghost.square.em_mm
     near = np.linalg.norm(points - ghost.chart.frame.origin, axis=1) < 2.0 * ghost.half.max()
     if not near.any():

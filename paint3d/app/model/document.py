@@ -99,7 +99,7 @@ FileState = tuple[int, int, int]
 
 
 class Document:
-    """One painting, with everything that can be done to it.
+    """A painting, with everything that can be done to it.
 
     Make it with `Document.new` or `Document.open`. Methods that change the painting are `recorded`;
     `paint3d.app.model.commands` says what else belongs to them.
@@ -209,7 +209,7 @@ class Document:
         return None
 
     def _capture_state(self) -> dict[str, object]:
-        """What undo brings back besides the surface."""
+        """State that undo restores besides the surface."""
         texts = packed_texts(self._texts)
         return {"painter": self.painter.keep(), "dipped": self._dipped_since_stroke, "texts": texts}
 
@@ -368,7 +368,7 @@ class Document:
 
     @property
     def file_changed_on_disk(self) -> bool:
-        """Whether the session's file was changed since it was opened or saved here."""
+        """True if the session's file was changed since it was opened or saved here."""
         now = _stat(self.path)
         return now is not None and now != self._file_state
 
@@ -473,7 +473,7 @@ class Document:
 
     @recorded
     def set_azimuth(self, azimuth: str) -> None:
-        """Let the pose's roll turn the tuft ("commanded"), or the surface pull it ("dragged").
+        """Turn the tuft by the pose's roll ("commanded"), or as the surface drags it ("dragged").
 
         Raises
         ------
@@ -490,7 +490,7 @@ class Document:
 
     @recorded
     def set_pickup(self, pickup: float) -> None:
-        """Let the brush take up wet ink: so large a fraction per mm of way at full pressure.
+        """Take up wet ink with the brush: this fraction per mm of way at full pressure.
 
         Raises
         ------
@@ -573,7 +573,7 @@ class Document:
 
     @property
     def in_stroke(self) -> bool:
-        """Whether a stroke is going on."""
+        """True if a stroke is going on."""
         return self._log.current is not None
 
     @property
@@ -589,7 +589,7 @@ class Document:
 
     @property
     def strokes(self) -> Sequence[Stroke]:
-        """What was painted by hand and is there, in order; those of earlier sessions first."""
+        """Strokes that are there, in order; those of earlier sessions first."""
         return self._log.strokes
 
     @property
@@ -765,7 +765,7 @@ class Document:
 
     @property
     def mask(self) -> Mask:
-        """Where paint is taken; see `set_mask`."""
+        """Mask that says where paint is taken; see `set_mask`."""
         return self._strokes.mask
 
     @property
@@ -775,12 +775,12 @@ class Document:
 
     @property
     def tags(self) -> dict[str, object]:
-        """What every stroke from now on says as well; see `set_tags`."""
+        """Tags that every stroke gets from now on; see `set_tags`."""
         return dict(self._log.tags)
 
     @recorded
     def set_tags(self, /, **tags: object) -> None:
-        """Have every stroke from now on say this as well, as JSON holds it; none: no more."""
+        """Give every stroke these tags from now on, as JSON holds them; none by default."""
         self._log.tags = dict(tags)
 
     def _refuse_in_stroke(self, what: Message) -> None:
@@ -817,7 +817,7 @@ class Document:
 
     @recorded
     def dry(self) -> None:
-        """Let all wet paint dry at once: a step that can be undone."""
+        """Dry all wet paint at once: a step that can be undone."""
         self._refuse_in_stroke(Message("drying"))
         self._end_preview()
         self._require_paintable()
@@ -857,7 +857,7 @@ class Document:
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """What is said of each layer, the lowest first."""
+        """Properties of each layer, the lowest first."""
         return self.surface.use_layers().layers
 
     @property
@@ -983,7 +983,7 @@ class Document:
 
     @recorded
     def set_group_opacity(self, place: int, opacity: float) -> None:
-        """How much of a group shows, 0 to 1: a step that can be undone.
+        """Set how much of a group shows, 0 to 1: a step that can be undone.
 
         Raises
         ------
@@ -997,7 +997,7 @@ class Document:
 
     @recorded
     def set_group_blend(self, place: int, blend: str) -> None:
-        """How a group lies on what is below, "normal" or "multiply": a step that can be undone.
+        """Set how a group blends, "normal" or "multiply": a step that can be undone.
 
         Raises
         ------
@@ -1077,7 +1077,7 @@ class Document:
 
     @recorded
     def set_opacity(self, place: int, opacity: float) -> None:
-        """How much of a layer shows, 0 to 1: a step that can be undone.
+        """Set how much of a layer shows, 0 to 1: a step that can be undone.
 
         Raises
         ------
@@ -1088,7 +1088,7 @@ class Document:
 
     @recorded
     def set_blend(self, place: int, blend: str) -> None:
-        """How a layer lies on those below, "normal" or "multiply": a step that can be undone.
+        """Set how a layer blends, "normal" or "multiply": a step that can be undone.
 
         Raises
         ------
@@ -1170,7 +1170,7 @@ class Document:
 
     @property
     def texts(self) -> tuple[LaidText, ...]:
-        """What lies on the object to be written after."""
+        """Texts that lie on the object to be written after."""
         return self._texts
 
     @recorded
@@ -1278,17 +1278,17 @@ class Document:
 
     @property
     def steps(self) -> UndoHistory:
-        """What can be undone, step by step."""
+        """Steps that can be undone."""
         return self._undo
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is something to undo."""
+        """True if there is something to undo."""
         return bool(self._undo.done) or self.fewest_strokes < self.n_strokes_without_undo
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is something to do again."""
+        """True if there is something to do again."""
         return bool(self._undo.undone) or self._can_edit_again
 
     @recorded
@@ -1342,11 +1342,11 @@ class Document:
         return self._follow_steps(touched)
 
     def _follow_log(self) -> None:
-        """Have the strokes of the steps that are done."""
+        """Update the strokes that are there from the steps that are done."""
         self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
 
     def _follow_steps(self, touched: Sequence[AnyArray]) -> AnyArray:
-        """Have strokes, `modified` and changed vertices follow steps that were undone or redone."""
+        """Update strokes, `modified` and changed vertices after steps were undone or redone."""
         self._follow_log()
         self.update_modified()
         found = self._union(touched)
@@ -1412,7 +1412,7 @@ class Document:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
 
     def _next_is_no_stroke(self) -> bool:
-        """Whether what can be done again next is drying, or a change of the layers."""
+        """Return whether what can be done again next is drying, or a change of the layers."""
         undone = self._undo.undone
         return bool(undone) and not isinstance(undone[-1], Stroke)
 
@@ -1544,11 +1544,11 @@ class Document:
 
     @property
     def n_seals(self) -> int:
-        """How many seals there are that steps take back."""
+        """Number of seals that undo steps take back."""
         return self._undo.done.count(COMMANDS["press_seal"].undo_label)
 
     def pressed_seals(self) -> list[dict[str, Any]]:
-        """What each seal that is there was pressed with, as a line of the score says it."""
+        """Commands of the seals that are there, as lines of the score."""
         score = self.score
         if score is None:
             return []
@@ -1690,7 +1690,7 @@ class Document:
 
     @contextmanager
     def _restore_context(self, score: Score, begin: int) -> Iterator[None]:
-        """Within: symmetry, mask and the like as they were then, all layers seen and open."""
+        """Restore, within, symmetry, mask and the like of then; all layers visible and unlocked."""
         stack, saved_at = self.surface.use_layers(), self._saved_at
         strokes, tags, azimuth = self._strokes, dict(self._log.tags), self.painter.azimuth
         now = strokes.symmetry, strokes.mask, strokes.stencil
@@ -1754,7 +1754,7 @@ class Document:
         return self.painter.brush, self.painter.dipped, self.painter.amount
 
     def _take_in_hand(self, in_hand: tuple[BrushSpec, Any, DipAmount]) -> None:
-        """Have the brush, the ink and so much of it as were chosen last."""
+        """Restore the brush, the ink and the amount of it that were chosen last."""
         brush, dipped, amount = in_hand
         if self.painter.brush != brush:
             self.set_brush(brush)

@@ -80,29 +80,29 @@ class EditHistory:
 
     @property
     def n_done(self) -> int:
-        """How many edits undo can take back."""
+        """Number of edits that undo can take back."""
         return len(self._done)
 
     @property
     def has_any(self) -> bool:
-        """Whether undo or redo may lead over an edit, which no file keeps."""
+        """True if undo or redo may lead over an edit, which no file keeps."""
         return bool(self._done or self._undone)
 
     @property
     def ends_here(self) -> bool:
-        """Whether the last thing that was done is an edit."""
+        """True if the last thing that was done is an edit."""
         return bool(self._done) and self._done[-1].last_step == self._steps.next_undo
 
     @property
     def continues_here(self) -> bool:
-        """Whether the next thing to do again is an edit."""
+        """True if the next thing to do again is an edit."""
         last = self._undone[-1] if self._undone else None
         if last is None:
             return False
         return last.last_step == self._steps.next_undo and last.newest == self._steps.newest
 
     def add(self, version: Version) -> None:
-        """Have another edit, which has just been done; the version is the painting without it."""
+        """Add an edit that has just been done; the version is the painting without it."""
         version.last_step = self._steps.next_undo
         self._done.append(version)
         self._undone.clear()

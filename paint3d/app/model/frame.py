@@ -57,7 +57,7 @@ _LEAST = 5e-3  # of what is held: less is not shown
 
 @dataclass(frozen=True, eq=False)
 class HeldInk:
-    """What a brush holds.
+    """Ink that a brush holds.
 
     Attributes
     ----------
@@ -75,7 +75,7 @@ class HeldInk:
 
 
 def held_ink(painter: Painter) -> HeldInk:
-    """What the brush of a painter holds now; may be asked while it paints."""
+    """Ink that the brush of a painter holds now; may be called while it paints."""
     ink, pigments = painter.surface.ink, tuple(painter.surface.pigments)
     load, reservoirs = np.maximum(ink.load, 0.0), np.maximum(ink.reservoirs, 0.0)
     total = float(load.sum())
@@ -273,7 +273,7 @@ class Snapshot:
 
 @dataclass(frozen=True, eq=False)
 class PaintingFrame:
-    """One state of the painting, as far as it differs from the frame before.
+    """A state of the painting: its changes since the frame before.
 
     Attributes
     ----------

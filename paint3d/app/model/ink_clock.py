@@ -65,7 +65,7 @@ class InkClock:
         return passed
 
     def wait(self, now_ns: int, most: int) -> bool:
-        """Whether one more step has passed by the wall clock since the last sample.
+        """Return whether one more step has passed by the wall clock since the last sample.
 
         Of steps that are due, `most` are kept for later calls; the rest are skipped.
         """

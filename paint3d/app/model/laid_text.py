@@ -128,7 +128,7 @@ class LaidText:
 
     @property
     def layout(self) -> Layout:
-        """How it is laid out; around an object it lies level."""
+        """Layout of the text; around an object it lies level."""
         return Layout(
             self.order, gap=self.gap, between=self.between, point=self.point,
             turn=0.0 if self.around else self.turn, around=self.around,
@@ -136,7 +136,7 @@ class LaidText:
         )  # fmt: skip
 
     def words(self) -> dict[str, Any]:
-        """What `of` makes the same of, as JSON holds it; what is as usual is left out."""
+        """Dictionary from which `of` makes the same text, for JSON; defaults are left out."""
         usual = LaidText()
         said = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}
         return {

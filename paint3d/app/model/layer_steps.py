@@ -10,7 +10,7 @@ __all__ = ["group_step", "layer_step"]
 
 
 def layer_step(layers: Sequence[Layer], place: int, by: int) -> tuple[int, int] | None:
-    """What a layer's step by 1 or -1 asks `Document.move_layer` for: to, and within.
+    """Arguments of `Document.move_layer` for a layer's step by 1 or -1: to, and within.
 
     Before a group it goes into it, and at the end of its own it goes out of it, each by a step
     of its own. None where there is no way to go.
@@ -25,7 +25,7 @@ def layer_step(layers: Sequence[Layer], place: int, by: int) -> tuple[int, int] 
 
 
 def group_step(layers: Sequence[Layer], place: int, by: int) -> int | None:
-    """Where a group's step by 1 or -1 puts its lowest layer: beyond a layer, or another group."""
+    """Index of a group's lowest layer after a step by 1 or -1: past a layer or a group."""
     first, last = group_span(layers, place)
     beside = last + 1 if by > 0 else first - 1
     if not 0 <= beside < len(layers):

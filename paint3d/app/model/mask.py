@@ -105,7 +105,7 @@ class Mask:
 
     @property
     def is_open(self) -> bool:
-        """Whether paint is taken everywhere."""
+        """True if paint is taken everywhere."""
         return self.angle is None and not self.regions
 
 
@@ -218,19 +218,16 @@ class Stencil:
             allowed = self._faces[fields.node_root[fresh]]
             self._open[fields.node_vertices[fresh][allowed]] = True
         self._leans = np.pad(self._leans, (0, n - known), constant_values=True)
-        if self._mask.angle is not None:
-            self._update_leans(self._mask.angle, known, n)
+        angle = self._mask.angle
+        if angle is not None:
+            towards = np.asarray(angle.direction, np.float64)
+            towards /= np.linalg.norm(towards)
+            height = sum(
+                getattr(fields, name)[known:n] * part
+                for name, part in zip(("nx", "ny", "nz"), towards, strict=True)
+            )
+            self._leans[known:n] = height >= math.cos(math.radians(angle.degrees)) - 1e-6
         self._known = n, nodes
-
-    def _update_leans(self, angle: AngleMask, first: int, last: int) -> None:
-        fields = self._surface.paint_mesh.arrays
-        towards = np.asarray(angle.direction, np.float64)
-        towards /= np.linalg.norm(towards)
-        height = sum(
-            getattr(fields, name)[first:last] * part
-            for name, part in zip(("nx", "ny", "nz"), towards, strict=True)
-        )
-        self._leans[first:last] = height >= math.cos(math.radians(angle.degrees)) - 1e-6
 
     def wipe(self, before: Callable[[AnyArray], tuple[AnyArray, AnyArray]]) -> AnyArray:
         """Give masked vertices back what they had, and the brush what fell on them.

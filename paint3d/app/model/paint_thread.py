@@ -285,7 +285,7 @@ class PaintThread:
                     self._wake.notify()
 
     def take_frame(self) -> PaintingFrame | None:
-        """What changed since the last frame that was taken, or None; never waits."""
+        """Changes since the last frame that was taken, or None; never waits."""
         with self._wake:
             slot, self._slot = self._slot, None
             left = self._n_asked - (slot[1] if slot else 0)
@@ -293,7 +293,7 @@ class PaintThread:
         return replace(slot[0], queue_length=left) if slot else None
 
     def take_events(self) -> list[Event]:
-        """What went wrong since the last call, oldest first."""
+        """Events since the last call, oldest first."""
         events = []
         while self._events:
             events.append(self._events.popleft())
@@ -301,7 +301,7 @@ class PaintThread:
 
     @property
     def wet(self) -> bool:
-        """Whether ink spreads and dries in real time; from now on, as soon as it is set."""
+        """True if ink spreads and dries in real time; from now on, as soon as it is set."""
         return self._wet
 
     @wet.setter
@@ -339,12 +339,12 @@ class PaintThread:
 
     @property
     def is_behind(self) -> bool:
-        """Whether something that was asked for waits or is being done; time for the ink is none."""
+        """True if something that was asked for waits or is being done; time for the ink is none."""
         return self._n_asked > self._n_done
 
     @property
     def is_still(self) -> bool:
-        """Whether all that was asked for is done, shown, and the last frame taken."""
+        """True if all that was asked for is done, shown, and the last frame taken."""
         with self._wake:
             return not (self._working or self._jobs or self._stale or self._slot is not None)
 
@@ -373,13 +373,13 @@ class PaintThread:
                 self._wanting -= 1
 
     def look(self, seconds: float) -> Document:
-        """The document after the step that is going on, or after so long: for who only looks on."""
+        """Document after the step that is going on, or after `seconds`: only for reading."""
         with self.paused(seconds):
             return self._document
 
     @contextmanager
     def reporting(self, progress: Callable[[float], None]) -> Iterator[None]:
-        """Have the fraction of strokes that are painted again reported for what is posted within.
+        """Report progress, within, of strokes that are painted again by what is posted.
 
         What `progress` raises stops that, and everything is as it was.
         """
@@ -391,7 +391,7 @@ class PaintThread:
 
     @property
     def recovery(self) -> RecoveryFolder | None:
-        """Where what is painted is kept."""
+        """Recovery folder, if there is one."""
         return None if self._writer is None else self._writer.recovery
 
     def set_autosave_interval(self, seconds: float) -> None:
@@ -406,12 +406,12 @@ class PaintThread:
             self._halted = True
 
     def has_halted(self, seconds: float) -> bool:
-        """Whether the step that was going on when it was halted has ended, or does so in time."""
+        """Return whether the step that was going on when it was halted has ended in time."""
         with self._wake:
             return self._wake.wait_for(lambda: not self._working, seconds)
 
     def go_on(self) -> None:
-        """Do what was asked for, after `halt`."""
+        """Resume after `halt`."""
         with self._wake:
             self._halted = False
             self._wake.notify_all()
@@ -439,7 +439,7 @@ class PaintThread:
     # -- in the thread ----------------------------------------------------------------------
 
     def _check_access(self) -> None:
-        """Refuse to let the document be used by whoever does not have it."""
+        """Refuse use of the document by a thread that does not hold it."""
         own = threading.get_ident()
         if own not in (self._thread.ident, self._holder) and self._thread.is_alive():
             raise RuntimeError(
@@ -452,7 +452,7 @@ class PaintThread:
             raise RuntimeError("the painting thread was stopped")
 
     def _with_time(self, samples: Sequence[DeviceSample], all_time: bool) -> Iterator[_Job]:
-        """Samples that come now, and the time that passes between them; holds the lock."""
+        """Jobs for samples that come now, and for the ink time between them; holds the lock."""
         now = time.perf_counter()
         behind = now - self._jobs[0].came if self._jobs else 0.0
         first = 0
@@ -513,7 +513,7 @@ class PaintThread:
         return asked or (self._stale and self._slot is None)
 
     def _longest_sleep(self) -> float | None:
-        """How long to sleep at most, s."""
+        """Longest time to sleep, s; None for ever."""
         if self._runs_by_the_clock:
             patience = self.ink_clock.patience(self._handed_over_ns())
             if self._seen_ns is None or patience <= 0.0:
@@ -528,7 +528,7 @@ class PaintThread:
 
     @property
     def _runs_by_the_clock(self) -> bool:
-        """Whether time passes for the ink while nothing is heard."""
+        """True if time passes for the ink while nothing is heard."""
         return self._wet and not self._by_samples_alone
 
     def _work(self) -> None:
@@ -596,7 +596,7 @@ class PaintThread:
         self._lag = time.perf_counter() - job.came
 
     def _wait_for_the_hand(self) -> None:
-        """Let time pass for the ink while nothing is heard."""
+        """Advance the ink while the hand is silent."""
         is_dry = self._document.surface.flow_patience == math.inf
         with self._wake:
             if self._jobs or self._stopping or not self._runs_by_the_clock:
@@ -606,7 +606,7 @@ class PaintThread:
                 self._enqueue(_ink_job(time.perf_counter()))
 
     def _saved_up_ns(self) -> int:
-        """How much time for the ink waits before it passes, ns: waking for each step costs more."""
+        """Ink time that is saved up before it passes, ns: waking for each step costs more."""
         rested_s = time.monotonic() - self.last_asked_s
         if rested_s < _LIVELY_S:
             return 0
@@ -740,12 +740,15 @@ class _JournalWriter:
 
     def put(self, job: _Job) -> None:
         """Write a job down, if it is one that changes the painting."""
-        if job.command is None or (isinstance(job.command, str) and _changes(job.command)):
+        if job.command is None or (
+            isinstance(job.command, str)
+            and (job.command in COMMANDS and COMMANDS[job.command].codec is not None)
+        ):
             self.n_put += 1
             self._queue.put(job)
 
     def note(self, words: Mapping[str, object]) -> None:
-        """Write something down about what was put before; see `RecoveryFolder.note`."""
+        """Write down a fact about what was put before; see `RecoveryFolder.note`."""
         self._queue.put(words)
 
     def turn_page(self) -> Future[Any]:
@@ -776,7 +779,7 @@ class _JournalWriter:
                 broken = bool(errors)
 
     def _take(self) -> list[_Item]:
-        """All that waits, or else what comes next; nothing at the end."""
+        """Take all that waits, or else what comes next; nothing at the end."""
         items = [self._queue.get()]
         while items[-1] is not None and not self._queue.empty():
             items.append(self._queue.get())
@@ -785,7 +788,7 @@ class _JournalWriter:
         return [item for item in items if item is not None]
 
     def _write_all(self, items: Iterable[_Item]) -> list[Exception]:
-        """Write items down, all with one call of the system; why some could not be."""
+        """Write items with one call of the system; return the errors of those that failed."""
         errors: list[Exception] = []
         try:
             with self.recovery.together():
@@ -826,8 +829,3 @@ class _JournalWriter:
             except Paint3DError:  # the document refuses it for the same reason
                 return
             self.recovery.note(line)
-
-
-def _changes(name: str) -> bool:
-    """Whether a command changes the painting."""
-    return name in COMMANDS and COMMANDS[name].codec is not None

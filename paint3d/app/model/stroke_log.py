@@ -44,7 +44,7 @@ _LANDING_NS = 1_000_000
 
 @dataclass(eq=False)
 class Stroke:
-    """One stroke.
+    """A stroke.
 
     Attributes
     ----------
@@ -87,7 +87,7 @@ class Stroke:
         return (self.samples[-1].time_ns - self.samples[0].time_ns) * 1e-9
 
     def header(self, brush: str = "") -> dict[str, object]:
-        """What a recording's header says of it; its brush by that name, or by its own."""
+        """Header of the stroke's recording; its brush by that name, or by its own."""
         own: dict[str, object] = {}
         if self.amount != DipAmount():
             own["dip"] = self.amount.words()
@@ -155,7 +155,7 @@ class StrokeLog:
         return len(self._before)
 
     def hold(self, count: int) -> None:
-        """From now on the last so many strokes are steps that can be taken back."""
+        """Count the last `count` strokes as steps that can be taken back, from now on."""
         self._before = self.strokes[: len(self.strokes) - count]
 
     def begin(
@@ -213,7 +213,7 @@ class StrokeLog:
         self.current = None
 
     def follow(self, strokes: Sequence[Stroke]) -> None:
-        """Have these strokes besides those before, after undo or redo."""
+        """Replace the strokes after those of earlier sessions, after undo or redo."""
         self.strokes = [*self._before, *strokes]
 
     def recording(self, object_name: str, first: int = 0) -> Recording | None:
@@ -289,7 +289,7 @@ def _complete_samples(stroke: Stroke) -> list[DeviceSample]:
 
 
 def _time_shift(end_ns: int, begin_ns: int, shift: int) -> int:
-    """What is added to a stroke's times, ns: as to those before it, if then it begins after them.
+    """Offset for a stroke's times, ns: as of those before it, if it begins after them then.
 
     Else its clock is another one. It is moved by whole pieces of the ink's time, so that these end
     in it where they did.

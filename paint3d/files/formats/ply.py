@@ -72,7 +72,7 @@ def picture_names(tables: Tables) -> list[str]:
 
 
 def has_face_colours(tables: Tables) -> bool:
-    """Whether the faces have colours of their own."""
+    """Return whether the faces have colours of their own."""
     return any(_colour_names(e) for e in tables.elements if e.name == "face")
 
 

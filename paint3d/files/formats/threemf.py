@@ -372,7 +372,7 @@ def _read_package(package: Package) -> RawMesh:
 
 
 def _has_filaments(archive: zipfile.ZipFile) -> bool:
-    """Whether a slicer's settings give parts another filament than the first."""
+    """Return whether a slicer's settings give parts another filament than the first."""
     there = set(archive.namelist())
     return any(
         OTHER_FILAMENT.search(archive.read(name)) for name in SLICER_SETTINGS if name in there

@@ -173,7 +173,7 @@ def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
 
 
 def may_leave_srgb(pigments: Any) -> bool:
-    """Whether any pigment is there that has a colour: black and water leave no gamut."""
+    """Return whether any pigment is there that has a colour: black and water leave no gamut."""
     return any(np.ptp(p.K) > 0.0 or np.ptp(p.S) > 0.0 for p in pigments)
 
 

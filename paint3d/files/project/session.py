@@ -91,7 +91,7 @@ class Session:
 
 
 def is_session_path(path: str | os.PathLike[str]) -> bool:
-    """Whether a file's name is that of a session."""
+    """Return whether a file's name is that of a session."""
     return os.fspath(path).lower().endswith(SESSION_SUFFIX)
 
 

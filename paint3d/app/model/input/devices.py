@@ -59,7 +59,7 @@ log = logging.getLogger("paint3d")
 
 
 class Devices(Protocol):
-    """What `device.hot_plug.PluggedDevices` offers."""
+    """Interface of `device.hot_plug.PluggedDevices`."""
 
     failures: dict[str, DeviceError]
 
@@ -119,7 +119,7 @@ class NoDevices:
 
 
 class Feedback(Protocol):
-    """What `haptics.servo.ForceFeedback` offers."""
+    """Interface of `haptics.servo.ForceFeedback`."""
 
     last_force: AnyArray
     settings: HapticSettings
@@ -128,16 +128,16 @@ class Feedback(Protocol):
         """Readings of the haptic stylus since the last call."""
 
     def publish(self, object_pose: AnyArray | None = None) -> None:
-        """Tell where the object is, (7,), and that the program is alive."""
+        """Give the servo the object's pose, (7,), and show that the program is alive."""
 
     def click(self) -> None:
-        """Let a click be felt."""
+        """Play a click."""
 
     def is_running(self) -> bool:
-        """Whether the servo runs; the device of one that was killed is asked to stop."""
+        """Return whether the servo runs; the device of one that was killed is asked to stop."""
 
     def status(self) -> ServoStatus:
-        """How it does, and why it failed."""
+        """State of the servo, and why it failed."""
 
     def stop(self) -> None:
         """Stop the servo."""
@@ -145,7 +145,7 @@ class Feedback(Protocol):
 
 @dataclass(frozen=True)
 class DeviceView:
-    """One device, for showing it.
+    """A device as it is listed.
 
     Attributes
     ----------
@@ -166,7 +166,7 @@ class DeviceView:
 
 @dataclass(frozen=True, eq=False)
 class HandInput:
-    """What the hands did since the last time.
+    """Samples and commands of the hands since the last call.
 
     Attributes
     ----------
@@ -187,7 +187,7 @@ class HandInput:
 
 
 def went_down(button: int, before: int | None, held: list[int]) -> tuple[bool, int | None]:
-    """Whether a button of a stylus went down, and which are held now.
+    """Return whether a button of a stylus went down, and which are held now.
 
     Parameters
     ----------
@@ -250,7 +250,7 @@ class DeviceHub:
         self._force = 0.0
 
     def views(self) -> list[DeviceView]:
-        """What is there: the open devices first, then those that could not be opened."""
+        """All devices: the open ones first, then those that could not be opened."""
         found = [
             DeviceView(node.name, node.kind, "left" if node.kind in _LEFT else "right", True)
             for node in self._plugged.nodes()
@@ -261,20 +261,24 @@ class DeviceHub:
         return found + [DeviceView(path, "", "", False, why) for path, why in failures.items()]
 
     def set_mouse(self, settings: MouseSettings) -> None:
-        """Read the 6-DOF mouse so from now on."""
+        """Set how the 6-DOF mouse is read from now on."""
         self.hands.steering = settings.steering()
         self._plugged.read_caps(settings.deflection())
 
     def set_actions(self, actions: Mapping[int, str]) -> None:
-        """Let the 6-DOF mouse's buttons do this; see `device.button_actions`."""
+        """Assign actions to the 6-DOF mouse's buttons; see `device.button_actions`."""
         self._actions = checked_actions(actions)
 
     def take(self) -> HandInput:
-        """Take what the devices said, and do what the buttons ask of the object."""
+        """Take what the devices sent, and do what their buttons ask of the object."""
         events, readings = self._plugged.take_mouse(), self._plugged.take_stylus()
         if self._feedback is not None:
             readings = sorted([*readings, *self._feedback.take()], key=lambda one: one.time_ns)
-            self._let_go_of_what_ended(self._feedback)
+            if not self._feedback.is_running():
+                self.ended = self._feedback.status().fault or Message("its process stopped")
+                log.warning("force feedback has ended: %s", self.ended)
+                self._feedback.stop()
+                self._feedback, self._force = None, 0.0
         commands: list[str] = []
         failures: list[DeviceError] = []
         samples: list[DeviceSample] = []
@@ -288,35 +292,19 @@ class DeviceHub:
                 except DeviceError as failure:
                     failures.append(failure)
             self._buttons = event.buttons
-        self._click(commands, readings)
-        self._reading_times["left"].extend(event.time_ns for event in events)
-        self._reading_times["right"].extend(reading.time_ns for reading in readings)
-        self._feel(readings)
-        samples += self.hands.take(self._clock() - _SETTLE_NS)
-        return HandInput(samples, commands, self.hands.object_pose, tuple(failures))
-
-    def _click(self, commands: list[str], readings: list[StylusReading]) -> None:
-        """Let a dip be felt, whichever hand's button asked for it."""
         by_stylus, self._held = went_down(DIP, self._held, [one.buttons for one in readings])
         if self._feedback is not None and (by_stylus or "dip" in commands):
             self._feedback.click()
-
-    def _let_go_of_what_ended(self, feedback: Feedback) -> None:
-        """Have a device rest whose servo was killed: it would push on with its last force."""
-        if not feedback.is_running():
-            self.ended = feedback.status().fault or Message("its process stopped")
-            log.warning("force feedback has ended: %s", self.ended)
-            feedback.stop()
-            self._feedback, self._force = None, 0.0
-
-    def _feel(self, readings: list[StylusReading]) -> None:
-        """Note the force, and give the servo the object's pose."""
+        self._reading_times["left"].extend(event.time_ns for event in events)
+        self._reading_times["right"].extend(reading.time_ns for reading in readings)
         if self._feedback is not None:
             self._force = float(np.linalg.norm(self._feedback.last_force))
             pose = self.hands.object_pose
             self._feedback.publish(np.concatenate([pose.position, pose.orientation]))
         elif readings:
             self._force = MAX_FORCE_N * (readings[-1].pressure or 0.0)
+        samples += self.hands.take(self._clock() - _SETTLE_NS)
+        return HandInput(samples, commands, self.hands.object_pose, tuple(failures))
 
     def _act(self, action: str) -> list[str]:
         """Do what concerns the object; what concerns the document."""
@@ -337,7 +325,7 @@ class DeviceHub:
         return self._force
 
     def rate_hz(self, hand: str) -> float:
-        """How often a hand's device reports, Hz; 0 where it does not."""
+        """Rate of reports of a hand's device, Hz; 0 where there are none."""
         return find_report_rate(np.array(self._reading_times[hand], np.int64)).rate_hz
 
     def lateness_ms(self, hand: str) -> float:
@@ -347,7 +335,7 @@ class DeviceHub:
         return float(late) if np.isfinite(late) else 0.0
 
     def lost(self) -> int:
-        """Reports of styli that never came."""
+        """Number of reports of styli that never came."""
         return sum(stylus.lost for stylus in self._plugged.styli())
 
     def stop(self) -> None:
@@ -361,7 +349,7 @@ _HANDS = ("left", "right")
 
 
 class StrokeCutter:
-    """Cuts the stream of a hand into strokes: from before it touches until it has left.
+    """Splits the stream of a hand into strokes: from before it touches until it has left.
 
     Parameters
     ----------
@@ -377,11 +365,11 @@ class StrokeCutter:
 
     @property
     def is_down(self) -> bool:
-        """Whether a stroke is going on."""
+        """True if a stroke is going on."""
         return self._down
 
     def cut(self, samples: Iterable[DeviceSample]) -> list[str | list[DeviceSample]]:
-        """The samples that belong to strokes, with "begin_stroke" and "end_stroke" between."""
+        """Split samples into strokes, with "begin_stroke" and "end_stroke" between them."""
         found: list[str | list[DeviceSample]] = []
         for sample in samples:
             down = self._touches(sample)
@@ -399,7 +387,7 @@ class StrokeCutter:
         return [part for part in found if part]
 
     def end(self) -> bool:
-        """Leave, whatever the hand does: it is not heard any more. Whether a stroke went on."""
+        """Stop listening to the hand; return whether a stroke was going on."""
         was_down, self._down, self._before = self._down, False, None
         return was_down
 
@@ -409,7 +397,7 @@ class StrokeCutter:
 
 
 def plug_in_mice(settings: MouseSettings | None = None) -> PluggedDevices | None:
-    """The 6-DOF mice that are there or come; None where HID devices cannot be read.
+    """Open the 6-DOF mice that are there or come; None where HID devices cannot be read.
 
     A pen is left to the window system, whose events say where it is in the picture, although its
     node may be opened: read here as well it would be a second brush, at the pad's place in the
@@ -423,7 +411,7 @@ def plug_in_mice(settings: MouseSettings | None = None) -> PluggedDevices | None
 
 
 def plug_in_pens() -> PluggedDevices | None:
-    """The pads whose pens can be read, to calibrate one; None where HID devices cannot be read."""
+    """Open the pads whose pens can be read, to calibrate one; None without HID devices."""
     try:
         return PluggedDevices(find=lambda: list_nodes(("pen",)))
     except (Paint3DError, ImportError, OSError):
@@ -452,7 +440,7 @@ class Feeling:
     _felt: tuple[BrushSpec, Feel, Material] | None = None
 
     def follow(self, brush: BrushSpec, feel: Feel, material: Material) -> None:
-        """Let the force be that of this brush, surface and choices from the next step on."""
+        """Set the force from this brush, surface and choices, from the next step on."""
         now, before = (brush, feel, material), self._felt
         if before is None or before[0] is not brush or before[1:] != now[1:]:
             self._felt = now

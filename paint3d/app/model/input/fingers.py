@@ -26,7 +26,7 @@ Places = Mapping[int, tuple[float, float]]
 
 @dataclass(frozen=True)
 class Meaning:
-    """One thing that fingers ask for.
+    """A request that fingers make.
 
     Attributes
     ----------
@@ -74,7 +74,7 @@ class Fingers:
         self._last = (0.0, 0.0)
 
     def follow(self, time_ns: int, places: Places) -> list[Meaning]:
-        """What the fingers mean that are down now.
+        """Follow the fingers that are down now; return what they ask for.
 
         Parameters
         ----------
@@ -86,7 +86,10 @@ class Fingers:
         before, self._down = self._down, dict(places)
         came = [number for number in places if number not in before]
         if came and self._state == "none":
-            self._begin(time_ns, came[0])
+            down = self._down
+            self._forget()
+            self._down, self._state = down, "waiting"
+            self._first, self._began = came[0], time_ns
         self._most = max(self._most, len(places))
         for number in came:
             self._from[number] = places[number]
@@ -100,21 +103,19 @@ class Fingers:
         elif self._state == "several":
             said += self._follow_several(time_ns, before, bool(came))
         if not places:
-            said += self._end(time_ns)
+            most, quick = self._most, time_ns - self._began <= _TAP_NS
+            tapped = self._state == "several" and not self._moved and quick
+            self._forget()
+            said += [Meaning("tap", time_ns, count=most)] if tapped else []
         return said
 
     def cancel(self, time_ns: int) -> list[Meaning]:
-        """The system took the fingers away."""
+        """Forget all fingers: the system took them away."""
         pressed = self._state == "one"
         self._forget()
         return [Meaning("cancel", time_ns)] if pressed else []
 
     # -- steps ------------------------------------------------------------------------------
-
-    def _begin(self, time_ns: int, number: int) -> None:
-        down = self._down
-        self._forget()
-        self._down, self._state, self._first, self._began = down, "waiting", number, time_ns
 
     def _join(self, time_ns: int) -> list[Meaning]:
         """Another finger came: a gesture of all, unless the first one paints for long already."""
@@ -163,18 +164,12 @@ class Fingers:
         factor = spread / old_spread if min(spread, old_spread) > 1.0 else 1.0
         return [Meaning("pinch", time_ns, x, y, dx, dy, factor, turned)]
 
-    def _end(self, time_ns: int) -> list[Meaning]:
-        most, quick = self._most, time_ns - self._began <= _TAP_NS
-        tapped = self._state == "several" and not self._moved and quick
-        self._forget()
-        return [Meaning("tap", time_ns, count=most)] if tapped else []
-
 
 def _middle(places: list[tuple[float, float]]) -> tuple[float, float]:
     return sum(x for x, _ in places) / len(places), sum(y for _, y in places) / len(places)
 
 
 def _way(places: list[tuple[float, float]]) -> tuple[float, float]:
-    """How far two places lie apart, and in which direction, rad."""
+    """Distance of two positions, pixels, and the direction from one to the other, rad."""
     (x0, y0), (x1, y1) = places
     return math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)

@@ -80,7 +80,8 @@ def lean_of(
     """
     if right is None or up is None or not (x_tilt or y_tilt):
         return normal
-    x, y = (math.tan(math.radians(_limit_tilt(t))) for t in (x_tilt, y_tilt))
+    tilts = (as_number(degrees, "tilt (degrees)") for degrees in (x_tilt, y_tilt))
+    x, y = (math.tan(math.radians(min(max(t, -_STEEPEST_TILT), _STEEPEST_TILT))) for t in tilts)
     aside = x * as_array(right, "right", (3,)) - y * as_array(up, "up", (3,))
     aside = aside - (aside @ normal) * normal
     length = length_of(aside)
@@ -91,7 +92,7 @@ def lean_of(
 
 
 def held_over(lean: AnyArray, normal: AnyArray) -> AnyArray:
-    """A handle's direction, where it is farther than 60 degrees from a normal turned towards it.
+    """Handle's direction, limited to 60 degrees from a normal that turns towards it.
 
     Parameters
     ----------
@@ -106,7 +107,7 @@ def held_over(lean: AnyArray, normal: AnyArray) -> AnyArray:
 
 
 def turned_with(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray:
-    """A vector that is turned as one normal turns into another, the shortest way.
+    """Turn a vector as one normal turns into another, the shortest way.
 
     Parameters
     ----------
@@ -129,7 +130,7 @@ def root_over(
     handle: AnyArray,
     pressure: float,
 ) -> AnyArray:
-    """Where the tuft's root is when the middle of its footprint lies at a place, on a plane there.
+    """Root of the tuft when the middle of its footprint lies at a point, on a plane there.
 
     Painting asks for the place and not for the root (`DeviceSample.contact`); the root is what a
     recording says besides, and a program that knows no places paints by it.
@@ -165,19 +166,14 @@ def root_over(
 
 
 def _middle_reach(tuft: Tuft, descent: float, tilt: float, pressure: float) -> float:
-    """How far along the bend the middle of a footprint lies from the foot, mm; 0 for none."""
+    """Distance along the bend from the foot to a footprint's middle, mm; 0 without one."""
     reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
     n = trace_outline(tuft, descent, tilt, pressure, np.empty(SCRATCH_SIZE), reach, half)
     return 0.5 * float(reach[0] + reach[n - 1]) if n else 0.0
 
 
-def _limit_tilt(degrees: float) -> float:
-    angle = as_number(degrees, "tilt (degrees)")
-    return min(max(angle, -_STEEPEST_TILT), _STEEPEST_TILT)
-
-
 def any_tangent(normal: AnyArray, wanted: AnyArray) -> AnyArray:
-    """The unit vector across the normal that is nearest to the wanted one."""
+    """Unit vector across the normal that is nearest to the wanted one."""
     for candidate in (wanted, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
         across = candidate - (candidate @ normal) * normal
         length = length_of(across)
@@ -214,7 +210,7 @@ _LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last pla
 
 @dataclass(frozen=True, eq=False)
 class PointerInput:
-    """What a pointer said at one instant; all vectors in the object's frame.
+    """State of a pointer at one instant; all vectors in the object's frame.
 
     Attributes
     ----------
@@ -269,7 +265,7 @@ _LEAST_ARM_MM = 2.0  # from which a ruler's direction is taken
 
 @dataclass(frozen=True)
 class HandSettings:
-    """How the hand is read.
+    """Settings for reading the hand.
 
     Attributes
     ----------
@@ -330,7 +326,7 @@ class HandSettings:
 
 @dataclass
 class _StrokeState:
-    """What is remembered between events."""
+    """State between events."""
 
     time_ns: int
     target: AnyArray  # where the pointer is, on the surface
@@ -350,7 +346,7 @@ class _StrokeState:
 
 @dataclass(frozen=True, eq=False)
 class _Stand:
-    """Where the brush is at one instant, but for whither its tip trails."""
+    """Pose of the brush at one instant, but for the direction in which its tip trails."""
 
     time_ns: int
     target: AnyArray  # where the pointer is
@@ -403,12 +399,12 @@ class Hand:
         return self._last
 
     def hover(self, event: PointerInput, brush: BrushSpec) -> DeviceSample | None:
-        """The brush above the surface; None where the pointer is beside the object."""
+        """Hold the brush above the surface; None where the pointer is beside the object."""
         stand = self._follow(event, self._meet(event), brush, pulled=False)
         return None if stand is None else self._sample(stand, brush, lifted=True)
 
     def begin(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample] | None:
-        """The brush comes down; None where the pointer is beside the object.
+        """Put the brush down; None where the pointer is beside the object.
 
         Samples may only come with later events, when it is known whither the stroke goes.
         """
@@ -427,7 +423,7 @@ class Hand:
         return self._land_if_sure(brush)
 
     def move(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
-        """The pointer went on; no samples where it is beside the object or time stood still.
+        """Follow the pointer; no samples where it is beside the object or time stood still.
 
         Where it comes back from beside the object, or from one part of it to another that lies
         behind, the brush is lifted and put down again.
@@ -439,7 +435,9 @@ class Hand:
         if found is None:
             state.beside = True
         elif state.beside or self._is_apart(found[0], event):
-            return self._step_over(event, brush)
+            lifted = self.end(self._now.sent_ns, brush)
+            landed = max(event.time_ns, lifted[-1].time_ns + 2 * _STEP_NS)
+            return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
         before = state.sent_ns
         stand = self._follow(event, found, brush, pulled=True, pressed=True)
         if stand is None:
@@ -453,7 +451,7 @@ class Hand:
     def end(
         self, time_ns: int, brush: BrushSpec, event: PointerInput | None = None
     ) -> list[DeviceSample]:
-        """The brush goes to where the pointer is, and up.
+        """Bring the brush to where the pointer is, and lift it.
 
         Parameters
         ----------
@@ -491,7 +489,7 @@ class Hand:
     # -- steps ------------------------------------------------------------------------------
 
     def _is_apart(self, point: AnyArray, event: PointerInput) -> bool:
-        """Whether the way to a point leaves the surface, as from a rim to what is behind it."""
+        """Return whether the way to a point leaves the surface, as from a rim to what is behind."""
         way = point - self._now.target
         distance = length_of(way)
         if distance < _LEAST_GAP_MM:
@@ -501,7 +499,7 @@ class Hand:
         return bool(off.max() > _MOST_OFF * distance) or self._leaps(point, event)
 
     def _leaps(self, point: AnyArray, event: PointerInput) -> bool:
-        """Whether an edge is seen between the last place and this: no ray between meets the way.
+        """Return whether an edge is seen between the last point and this: no ray meets the way.
 
         Of two rays the one in the middle halves the way between what they meet, or, where the
         surface is seen from the side, all but. Over an edge the greater part stays as it is.
@@ -527,7 +525,7 @@ class Hand:
     def _over_fold(
         self, stand: _Stand, event: PointerInput, brush: BrushSpec, before_ns: int
     ) -> list[_Stand]:
-        """Places between the last and this, where the surface turns between them.
+        """Stands between the last and this one, where the surface turns between them.
 
         Between two samples the handle turns evenly, but the surface at once: over a fold the brush
         would lie down on it for a moment, and its footprint be twice as long.
@@ -556,12 +554,6 @@ class Hand:
             )
         return stands
 
-    def _step_over(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
-        """Up where the brush is, and down where the pointer is now."""
-        lifted = self.end(self._now.sent_ns, brush)
-        landed = max(event.time_ns, lifted[-1].time_ns + 2 * _STEP_NS)
-        return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
-
     def _follow(
         self,
         event: PointerInput,
@@ -570,23 +562,38 @@ class Hand:
         pulled: bool,
         pressed: bool = False,
     ) -> _Stand | None:
-        """Take the pointer's new place, where it meets the surface; None where it does not."""
-        self._press_keys(event)
+        """Take the point where the pointer meets the surface; None where it does not."""
+        settings, state = self.settings, self._state
+        seconds = 0.0 if state is None else (event.time_ns - state.time_ns) * 1e-9
+        change = settings.newtons_per_s * max(0.0, seconds)
+        change *= int(event.harder) - int(event.softer)
+        change += settings.newtons_per_notch * event.wheel
+        self.force = min(MAX_FORCE_N, max(0.0, self.force + change))
         if found is None:
             return None
         point, normal = found
-        state = self._state
         if state is None:
             tip = point + any_tangent(normal, np.zeros(3))
             state = self._state = _StrokeState(event.time_ns, point, point, point, normal, tip)
-        self._follow_speed(event.time_ns, point)
+        if seconds > 0.0:  # the speed is a mean over the last hundredths of a second
+            speed = length_of(point - state.target) / seconds
+            weight = 1.0 - math.exp(-seconds / _FILTER_S)
+            state.speed += weight * (speed - state.speed)
         state.time_ns, state.target, state.ray = event.time_ns, point, _ray_of(event)
         if pulled and self.settings.ruler != "none":
             point, normal = self._follow_ruler(point, normal)
         state.goal = point
-        string = self._string_mm(event) if pulled else 0.0
+        steadiness = settings.smoothing
+        if event.pressure is None:
+            steadiness = max(steadiness, settings.mouse_smoothing)
+        string = steadiness * settings.longest_string_mm if pulled else 0.0  # length, mm
         if string > 0.0:
-            point, normal = self._pull(point, string)
+            way = point - state.point
+            distance = length_of(way)
+            if distance <= string:
+                point, normal = state.point, state.normal
+            else:
+                point, normal = self._on_surface(state.point + (1.0 - string / distance) * way)
         normal = self._normal_under(point, normal, brush)
         state.point, state.normal = point, normal
         lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
@@ -604,7 +611,7 @@ class Hand:
         )
 
     def _resting_way(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
-        """Whither a tip points that nothing drags: away from the lean, else up left as seen."""
+        """Direction of a tip that nothing drags: away from the lean, else up left as seen."""
         aside = lean - (lean @ normal) * normal
         if length_of(aside) > _LEANS:
             return any_tangent(normal, -aside)
@@ -615,7 +622,7 @@ class Hand:
     # -- coming down ------------------------------------------------------------------------
 
     def _put_down(self, stand: _Stand, brush: BrushSpec) -> list[DeviceSample]:
-        """Samples of one place more: now, or when it is known whither the stroke goes."""
+        """Samples of one stand more: now, or when the stroke's direction is known."""
         if not self._waiting:
             self._drag(stand, brush)
             return [self._sample(stand, brush)]
@@ -623,7 +630,7 @@ class Hand:
         return self._land_if_sure(brush)
 
     def _land_if_sure(self, brush: BrushSpec) -> list[DeviceSample]:
-        """What waits, if it need not wait any longer."""
+        """Samples of all that waits, if it need not wait any longer."""
         first, last = self._waiting[0], self._waiting[-1]
         far = length_of(last.target - first.point) >= _SURE * self._trail(brush)
         stands = last.time_ns - first.time_ns >= _STANDS_NS
@@ -671,7 +678,7 @@ class Hand:
         self._last = stand
 
     def _meet(self, event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
-        """Where the pointer meets the surface, and the normal there."""
+        """Point where the pointer's ray meets the surface, and the normal there."""
         if event.point is not None and event.normal is not None:
             normal = as_array(event.normal, "normal", (3,))
             return as_array(event.point, "point", (3,)), normal / length_of(normal)
@@ -698,14 +705,6 @@ class Hand:
         result: AnyArray = mean / length_of(mean)
         return result
 
-    def _string_mm(self, event: PointerInput) -> float:
-        """Length of the string that pulls the brush, mm."""
-        settings = self.settings
-        steady = settings.smoothing
-        if event.pressure is None:
-            steady = max(steady, settings.mouse_smoothing)
-        return steady * settings.longest_string_mm
-
     def _follow_ruler(self, point: AnyArray, normal: AnyArray) -> tuple[AnyArray, AnyArray]:
         """The place nearest to a point where the ruler leads from the stroke's beginning.
 
@@ -726,7 +725,7 @@ class Hand:
         return point, normal
 
     def _plane_from(self, start: AnyArray, point: AnyArray) -> AnyArray | None:
-        """The normal of the ruler's plane; None while it is not known whither it leads."""
+        """Normal of the ruler's plane; None while its direction is not known."""
         if self.settings.ruler == "ring":
             return np.array([0.0, 0.0, 1.0])
         if self.settings.ruler == "profile":
@@ -742,15 +741,6 @@ class Hand:
             return None
         across: AnyArray = cross(self._on_surface(start)[1], point - start)
         return across / max(length_of(across), 1e-12)
-
-    def _pull(self, target: AnyArray, string: float) -> tuple[AnyArray, AnyArray]:
-        """Where a string of this length pulls the brush."""
-        state = self._now
-        way = target - state.point
-        distance = length_of(way)
-        if distance <= string:
-            return state.point, state.normal
-        return self._on_surface(state.point + (1.0 - string / distance) * way)
 
     def _glide(self, brush: BrushSpec) -> list[DeviceSample]:
         """Samples on the way to where the pointer was last."""
@@ -771,22 +761,6 @@ class Hand:
             self._drag(stand, brush)
             samples.append(self._sample(stand, brush))
         return samples
-
-    def _press_keys(self, event: PointerInput) -> None:
-        settings, state = self.settings, self._state
-        seconds = 0.0 if state is None else max(0.0, (event.time_ns - state.time_ns) * 1e-9)
-        change = settings.newtons_per_s * seconds * (int(event.harder) - int(event.softer))
-        change += settings.newtons_per_notch * event.wheel
-        self.force = min(MAX_FORCE_N, max(0.0, self.force + change))
-
-    def _follow_speed(self, time_ns: int, point: AnyArray) -> None:
-        """The pointer's speed, mm/s, over the last hundredths of a second."""
-        state = self._now
-        seconds = (time_ns - state.time_ns) * 1e-9
-        if seconds > 0.0:
-            now = length_of(point - state.target) / seconds
-            weight = 1.0 - math.exp(-seconds / _FILTER_S)
-            state.speed += weight * (now - state.speed)
 
     def _pressure(self, event: PointerInput) -> float:
         settings = self.settings
@@ -814,7 +788,9 @@ class Hand:
             x = bend - (bend @ z) / (normal @ z) * normal
             x /= length_of(x)
         else:
-            x = _turn_across(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
+            vector = any_tangent(z, np.array([1.0, 0.0, 0.0]))
+            angle = -stand.twist
+            x = math.cos(angle) * vector + math.sin(angle) * cross(z, vector)
             bend = any_tangent(normal, x)
         orientation = quaternions_from_matrices(np.stack([x, cross(z, x), z], axis=-1)[None])[0]
         root = root_over(brush, stand.point, normal, bend, z, stand.pressure)
@@ -833,7 +809,7 @@ class Hand:
 
 
 def _eased(share: float) -> float:
-    """How much of a pressure a mouse has that comes down or goes up, 0 to 1.
+    """Fraction of its pressure that a mouse has while it comes down or goes up, 0 to 1.
 
     It changes fastest where the tuft is hardly down, and has no corner where it is: an end is round
     as a tuft's print, not cut to a point like a pencil.
@@ -852,7 +828,3 @@ def _project_along(normal: AnyArray, way: AnyArray) -> AnyArray:
     across = way - (way @ normal) * normal
     length = length_of(across)
     return across / length if length > 1e-9 else np.zeros(3)
-
-
-def _turn_across(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
-    return math.cos(angle) * vector + math.sin(angle) * cross(axis, vector)

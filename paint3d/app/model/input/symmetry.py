@@ -90,7 +90,11 @@ class Symmetry:
         if self.radial is not None:
             turned = [_turn(self.radial, k) for k in range(turns)]
             found = [turn @ image for turn in turned for image in found]
-        return _distinct(found)[1:]
+        kept: list[AnyArray] = []
+        for candidate in found:
+            if all(np.abs(candidate - other).max() > _SAME for other in kept):
+                kept.append(candidate)
+        return kept[1:]
 
 
 def _mirror(plane: MirrorPlane) -> AnyArray:
@@ -120,16 +124,8 @@ def _direction(vector: Sequence[float]) -> AnyArray:
     return unit
 
 
-def _distinct(images: Sequence[AnyArray]) -> list[AnyArray]:
-    kept: list[AnyArray] = []
-    for image in images:
-        if all(np.abs(image - other).max() > _SAME for other in kept):
-            kept.append(image)
-    return kept
-
-
 def transformed(samples: Sequence[DeviceSample], image: NDArray[np.float64]) -> list[DeviceSample]:
-    """What an image of the hand does: samples in the object's frame, the object at rest.
+    """Transform samples of a hand to one of its images, in the frame of an object at rest.
 
     A mirrored brush is a brush again: its handle and bend are mirrored, and its third axis follows
     from them.

@@ -23,7 +23,7 @@ _OUT = "none"  # in its place: the table could not be used, which was said
 
 @dataclass
 class OwnPigments:
-    """What the kept tables hold now.
+    """Contents of the user's pigment tables now.
 
     Attributes
     ----------

@@ -159,7 +159,11 @@ class RecoveryFolder:
         with suppress(ExportError):  # turning the page will report it
             self._lay_out_page()
         with suppress(OSError):
-            self._describe(document, document.modified or self._has_undone(document))
+            self._describe(
+                document,
+                document.modified
+                or (bool(document.steps.undone) and document.steps.newest > self._in_file),
+            )
         for old in _find_numbered(self.folder, "base-") | _find_numbered(self.folder, "journal-"):
             if old[0] < self._number:
                 with suppress(OSError):
@@ -170,10 +174,6 @@ class RecoveryFolder:
         if self._next is None:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
             make_private(self._next.path)
-
-    def _has_undone(self, document: Document) -> bool:
-        """Whether something was undone, all of it perhaps, that is in no file."""
-        return bool(document.steps.undone) and document.steps.newest > self._in_file
 
     def _describe(self, document: Document, modified: bool) -> None:
         ready = 0 if self._next is None else _bytes_of(self._next.path)
@@ -188,7 +188,7 @@ class RecoveryFolder:
         self._write_about()
 
     def name_file(self, document: Document) -> None:
-        """Say to which file the painting belongs now; nothing else changes."""
+        """Note which file the painting belongs to now; nothing else changes."""
         self._in_file = document.steps.newest
         self._about |= {"path": _path_of(document), "file": document.file_state}
         with suppress(OSError):  # the next base will say it
@@ -234,7 +234,7 @@ class Recovered:
 
     @property
     def n_lost(self) -> int:
-        """How many samples what could not be read has room for."""
+        """Number of samples that would fit into what could not be read."""
         return -(-self.loss.n_bytes // SAMPLE.itemsize)
 
 
@@ -275,7 +275,36 @@ class Unfinished:
             If there is no base that can be opened, or another program has taken it up by now.
         """
         with self.held():
-            return self._recover(progress or (lambda fraction: None))
+            report = progress or (lambda fraction: None)
+            report(0.0)
+            bases = sorted(_find_numbered(self.folder, "base-"), reverse=True)
+            if not bases:
+                raise SessionError(
+                    "{folder}: it holds no painting; expected base-K.p3d",
+                    folder=self.folder,
+                )
+            first, base = bases[0]
+            document = Document.open(base)
+            journals = sorted(_find_numbered(self.folder, "journal-"))
+            events, loss = _read_journals([path for number, path in journals if number >= first])
+            known = Counter(
+                Message(str(e[_REFUSED])) for e in events if isinstance(e, dict) and _REFUSED in e
+            )
+            events = [e for e in events if not (isinstance(e, dict) and _REFUSED in e)]
+            pieces = [piece for event in events for piece in _split_event(event)]
+            report(_OPENED)
+            costs = [_cost(piece) for piece in pieces]
+            done, whole = 0.0, sum(costs)
+            refused: list[Message] = []
+            for piece, cost in zip(pieces, costs, strict=True):
+                refused += _replay_piece(document, piece)
+                done += cost
+                report(_OPENED + (1.0 - _OPENED) * done / whole)
+            document.end_stroke()
+            document.set_file(self.path, self.file)
+            document.mark_modified()
+            unknown = Counter(refused) - known
+            return Recovered(document, len(events), loss, tuple(unknown.elements()))
 
     @contextmanager
     def held(self) -> Iterator[None]:
@@ -319,37 +348,6 @@ class Unfinished:
             raise SessionError(taken) from None
         return file
 
-    def _recover(self, tell: Callable[[float], None]) -> Recovered:
-        tell(0.0)
-        bases = sorted(_find_numbered(self.folder, "base-"), reverse=True)
-        if not bases:
-            raise SessionError(
-                "{folder}: it holds no painting; expected base-K.p3d",
-                folder=self.folder,
-            )
-        first, base = bases[0]
-        document = Document.open(base)
-        journals = sorted(_find_numbered(self.folder, "journal-"))
-        events, loss = _read_journals([path for number, path in journals if number >= first])
-        known = Counter(
-            Message(str(e[_REFUSED])) for e in events if isinstance(e, dict) and _REFUSED in e
-        )
-        events = [e for e in events if not (isinstance(e, dict) and _REFUSED in e)]
-        pieces = [piece for event in events for piece in _split_event(event)]
-        tell(_OPENED)
-        costs = [_cost(piece) for piece in pieces]
-        done, whole = 0.0, sum(costs)
-        refused: list[Message] = []
-        for piece, cost in zip(pieces, costs, strict=True):
-            refused += _replay_piece(document, piece)
-            done += cost
-            tell(_OPENED + (1.0 - _OPENED) * done / whole)
-        document.end_stroke()
-        document.set_file(self.path, self.file)
-        document.mark_modified()
-        unknown = Counter(refused) - known
-        return Recovered(document, len(events), loss, tuple(unknown.elements()))
-
     def discard(self) -> None:
         """Delete it for good, unless another program has taken it up by now."""
         with suppress(SessionError), self.held():
@@ -377,7 +375,7 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
 
 
 def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) -> bool:
-    """Whether a studio that is running has this session's file, besides what this program has.
+    """Return whether another running studio has this session's file open.
 
     Parameters
     ----------
@@ -400,7 +398,7 @@ def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) 
 
 
 def refusal(error: Paint3DError) -> dict[str, object]:
-    """What a journal says of something that could not be done."""
+    """Note for a journal that something could not be done."""
     return {_REFUSED: error.message}
 
 
@@ -409,7 +407,7 @@ def _keeping_error(root: Path, cause: OSError) -> ExportError:
 
 
 def _read_journals(journals: Sequence[Path]) -> tuple[list[_Event], Loss]:
-    """What was asked for, in order, up to the first damage, and what is lost from there on."""
+    """Events in order, up to the first damage, and what is lost from there on."""
     events: list[_Event] = []
     for k, journal in enumerate(journals):
         later = sum(_bytes_of(path) for path in journals[k + 1 :])
@@ -450,7 +448,7 @@ def _find_unfinished(folder: Path) -> list[Unfinished]:
 
 
 def _never_began(folder: Path) -> bool:
-    """Whether its studio ended before it wrote what it is about: it holds no painting."""
+    """Return whether its studio ended before it described the folder: it holds no painting."""
     process, _, began = folder.name.partition("-")
     with suppress(OSError):
         is_old = time.time() - folder.stat().st_mtime > _BEGINS_S
@@ -479,7 +477,7 @@ def _split_event(event: Recording | Mapping[str, object]) -> list[_Piece]:
 
 
 def _cost(piece: _Piece) -> float:
-    """What doing it again takes, roughly, in samples."""
+    """Rough cost of replaying a piece, in samples."""
     if isinstance(piece, list):
         return float(len(piece))
     command = COMMANDS.get(str(piece.get("do")))
@@ -487,7 +485,7 @@ def _cost(piece: _Piece) -> float:
 
 
 def _replay_piece(document: Document, piece: _Piece) -> list[Message]:
-    """Do it; what was refused, as it was when it happened first."""
+    """Replay a piece; return what was refused, as it was when it happened first."""
     try:
         if isinstance(piece, list):
             document.feed(piece)

@@ -131,7 +131,7 @@ def restore_history(
     strokes: Sequence[Stroke],
     undone: Sequence[Stroke],
 ) -> int:
-    """Let a document that was opened have the steps that were saved with it.
+    """Restore the undo steps that were saved with a document.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def _unpack_labels(words: Sequence[Any], strokes: Iterator[Stroke]) -> list[obje
 
 
 def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
-    """What the painter remembered, as `Document` restores it."""
+    """Unpack what the painter remembered, as `Document` restores it."""
     of = np.asarray(state["painter"])
     count, p = len(of), len(surface.pigments)
     makers = _makers(surface, state)

@@ -232,11 +232,11 @@ class Settings:
 
     @property
     def mouse_steadiness(self) -> float:
-        """How steady strokes of a mouse are, 0 to 1."""
+        """Steadiness of a mouse's strokes, 0 to 1."""
         return MOUSE_STEADY if self.mouse_smoothing is None else self.mouse_smoothing
 
     def wants_wet(self, material: Material) -> bool:
-        """Whether ink spreads on a material: as was chosen, else as the material asks for."""
+        """Return whether ink spreads on a material: as chosen, else as the material asks for."""
         if self.wet is not None:
             return self.wet
         if material.name in load_materials():
@@ -244,7 +244,7 @@ class Settings:
         return material.pores_mm > 0.0 and material.absorbency >= _DRINKS
 
     def with_recent(self, path: str | os.PathLike[str]) -> Settings:
-        """With a file at the head of the recent ones."""
+        """Settings with a file at the head of the recent ones."""
         own = os.path.abspath(path)
         others = tuple(other for other in self.recent if other != own)
         return dataclasses.replace(self, recent=(own, *others)[:_MOST_RECENT])
@@ -272,7 +272,7 @@ def _file(folder: Path | None) -> Path:
 
 
 def load_settings(folder: Path | None = None) -> tuple[Settings, Message | None]:
-    """What was saved; the defaults where nothing was, or where it cannot be used.
+    """Read the saved settings; the defaults where there are none that can be used.
 
     A file that cannot be used is set aside, never written over.
 
@@ -374,7 +374,7 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
 
 
 def calibration_file(key: str) -> Path:
-    """Where a device's calibration is kept, by its key (`FoundStylus.key`)."""
+    """Path of a device's calibration, by its key (`FoundStylus.key`)."""
     return config_folder() / "calibrations" / f"{key}.json"
 
 

@@ -109,7 +109,7 @@ def _ink_text(ink: str | Mapping[str, float]) -> str:
 
 
 def _length_mm(part: Recording) -> float:
-    """How long the way is on which the brush is pressed, in the object's frame."""
+    """Length of the path along which the brush is pressed, in the object's frame."""
     way = brush_poses(part).way
     steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
     if part.pressure is not None:

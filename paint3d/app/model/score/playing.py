@@ -83,7 +83,7 @@ def begun(
 def _original(
     header: Mapping[str, Any], mesh: TriangleMesh, painted_on: TriangleMesh | None
 ) -> Original | None:
-    """What the score was painted on, where that may be known and another mesh.
+    """Mesh that the score was painted on, where that is known and another one.
 
     A file may be called like a built-in object: only what has the digest that the header says is
     that object. Scores from before headers said it are believed by the name.

@@ -24,7 +24,7 @@ __all__ = ["ScoreRecorder", "recorded"]
 
 
 class _Recorded(Protocol):
-    """What a document has for its methods to be recorded."""
+    """Interface that a document has for its methods to be recorded."""
 
     recorder: ScoreRecorder | None
     check_access: Callable[[], None]
@@ -188,7 +188,7 @@ class ScoreRecorder:
         self._events.append(line)
 
     def score(self, object_name: str) -> Score:
-        """All of it."""
+        """Score of all that was recorded."""
         own = {"pigments": dict(self._inks.table)} if self._inks.table else {}
         events = [
             event.recording() if isinstance(event, _SampleRun) else dict(event)
@@ -203,7 +203,7 @@ class ScoreRecorder:
 def recorded(
     method: Callable[Concatenate[_Document, _P], _Result],
 ) -> Callable[Concatenate[_Document, _P], _Result]:
-    """Let a method of `Document` write down what it is asked for in the document's `recorder`.
+    """Record calls of a method of `Document` in the document's `recorder`.
 
     Its command stands in `app.model.commands`. What a method asks of the document meanwhile belongs
     to it, and is not written down by itself.

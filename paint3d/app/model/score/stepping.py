@@ -60,7 +60,7 @@ class PlaybackStep:
 
 
 def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[PlaybackStep]:
-    """What is to be done from an event on, in order; each is made when those before it are done.
+    """Yield the steps from an event on; each is made when those before it are done.
 
     Raises
     ------
@@ -176,7 +176,7 @@ class Cue:
 
 
 def seconds_of(score: Score) -> float:
-    """How long a score takes at the hand's own speed, s."""
+    """Duration of a score at the hand's own speed, s."""
     clock = HandTime()
     for event in score.events:
         if isinstance(event, Recording):
@@ -202,13 +202,13 @@ def in_pieces(score: Score, n: int = 1) -> Score:
 def pass_step(clock: HandTime, step: PlaybackStep) -> None:
     """Count a step that has been done."""
     if step.samples:
-        clock.pass_samples(_times(step.samples))
+        clock.pass_samples(np.array([sample.time_ns for sample in step.samples], np.int64))
     else:
         _pass_command(clock, step.command, step.options, 1)
 
 
 def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
-    """What is to be done, and when; samples one by one.
+    """Yield what is to be done, and when; samples one by one.
 
     Parameters
     ----------
@@ -238,7 +238,3 @@ def _pass_command(clock: HandTime, name: str, options: Mapping[str, Any], times:
     """Count what was asked for; it takes time only where ink is left to spread."""
     if name in _OF_INK:
         clock.pass_ink(float(options["seconds"]) * times)
-
-
-def _times(samples: list[DeviceSample]) -> Any:
-    return np.array([sample.time_ns for sample in samples], np.int64)

@@ -37,7 +37,7 @@ _MOST_TRIALS = 100
 
 @dataclass(frozen=True)
 class Trial:
-    """One character to paint.
+    """A character to paint.
 
     Attributes
     ----------
@@ -227,7 +227,7 @@ def load_plan(folder: Path) -> StudyPlan:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a participant prefers: a device set, or `NEITHER`; and what they said of it."""
+    """Preference of a participant: a device set, or `NEITHER`; and a comment."""
 
     prefers: str
     comment: str = ""
@@ -254,7 +254,7 @@ def save_answer(folder: Path, plan: StudyPlan, participant: str, answer: Answer)
 
 
 def load_answers(folder: Path, plan: StudyPlan) -> dict[str, Answer]:
-    """What participants of a study prefer, by their names; none who was not asked.
+    """Read the participants' answers by name; only of those who were asked.
 
     Raises
     ------

@@ -52,7 +52,7 @@ _DEFAULT_BRUSH, _DEFAULT_INK = "zhongbaiyun", "pine soot"
 
 @dataclass(frozen=True)
 class Measured:
-    """What one trial took.
+    """Measurements of one trial.
 
     Attributes
     ----------
@@ -144,7 +144,7 @@ class StudyTable:
     answers: Mapping[str, Answer] = field(default_factory=dict)
 
     def preferences(self) -> dict[str, int]:
-        """How many prefer each device set, and none."""
+        """Number of participants who prefer each device set, and neither."""
         said = Counter(answer.prefers for answer in self.answers.values())
         return {name: said[name] for name in (*self.plan.devices, NEITHER)}
 
@@ -321,7 +321,7 @@ def measure(
 
 
 def _painted_score(file: Path, on: str | None) -> tuple[PaintedSurface, list[Recording]]:
-    """What a whole painting leaves, and the strokes of it that were not undone, in one clock."""
+    """Paint a whole painting; return its surface, and its strokes in one clock."""
     score = load_score(file)
     document = painted(score, load_mesh(on or str(score.header.get("object", ""))))
     strokes = [stroke.recording(stroke.brush.name) for stroke in document.strokes]
@@ -386,7 +386,7 @@ class _Judge:
         return None if found is None else found.iou
 
     def painted(self, recording: Recording) -> PaintedSurface:
-        """What a recording paints, with its own brush and ink."""
+        """Paint a recording with its own brush and ink; return the surface."""
         header = recording.header
         surface = PaintedSurface(self._mesh, _RESOLUTION_MM)
         brush = load_brush(str(header.get("brush") or _DEFAULT_BRUSH), own_files=False)
