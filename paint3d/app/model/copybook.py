@@ -343,17 +343,17 @@ class Copybook:
 
     def grid(self, kind: str, columns: bool, *, unwritten: bool = False) -> list[AnyArray]:
         """Lines (K, 3), mm, of one of the `GRIDS` around all characters, or those to be written."""
-        ways = _GRID_LINES.get(kind, ())
+        segments = _GRID_LINES.get(kind, ())
         if kind == "columns":
-            ways = (_LEFT, _RIGHT) if columns else (_TOP, _BOTTOM)
+            segments = (_LEFT, _RIGHT) if columns else (_TOP, _BOTTOM)
         done = {id(ghost.square) for ghost in self.ghosts if unwritten and ghost.is_written}
         lines = []
         for square in self.squares:
             if id(square) in done:
                 continue
             half = 0.5 * np.array([square.width_mm, square.height_mm])
-            for way in ways:
-                xy = _densify(half * np.array(way), False, _STEP * square.em_mm)
+            for segment in segments:
+                xy = _densify(half * np.array(segment), False, _STEP * square.em_mm)
                 lines.append(square.chart.points(xy) + _LIFT_MM * square.chart.normals(xy))
         return lines
 
@@ -362,27 +362,27 @@ class Copybook:
         """Place of the first character that is not written yet; None when all are."""
         return next((k for k, ghost in enumerate(self.ghosts) if not ghost.is_written), None)
 
-    def _find_character(self, way: AnyArray) -> int | None:
+    def _find_character(self, path: AnyArray) -> int | None:
         """The character in whose square most of a way (N, 3) lies; None where in none."""
         if not self.ghosts:
             return None
-        feet = self._surface.find(way[:: -(-len(way) // _LOOKED_AT)]).points
+        feet = self._surface.find(path[:: -(-len(path) // _LOOKED_AT)]).points
         counts = [_count_inside(ghost, feet) for ghost in self.ghosts]
         best = int(np.argmax(counts))
         return best if counts[best] > 0 else None
 
     def note(self, stroke: Stroke, surface: PaintedSurface) -> CopybookMark | None:
         """Take a stroke that was painted; None where it belongs to no character."""
-        places = self._count(stroke, is_over=True).places
-        if not places:
+        indices = self._count(stroke, is_over=True).places
+        if not indices:
             return None
-        place = places[-1]
-        ghost = self.ghosts[place]
-        stroke.tags |= {"character": ghost.text, "place": place}
+        index = indices[-1]
+        ghost = self.ghosts[index]
+        stroke.tags |= {"character": ghost.text, "place": index}
         likeness = ghost.compare(surface) if ghost.is_written else None
-        mark = CopybookMark(place, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
+        mark = CopybookMark(index, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
         with self._keeping:
-            self.marks[place] = mark
+            self.marks[index] = mark
         return mark
 
     def begin_after(self, strokes: Sequence[Stroke]) -> None:
@@ -411,10 +411,10 @@ class Copybook:
         if not self._counted.keys() <= there:
             with self._keeping:
                 self._counted = {k: one for k, one in self._counted.items() if k in there}
-                for place, ghost in enumerate(self.ghosts):
+                for index, ghost in enumerate(self.ghosts):
                     ghost.strokes = [stroke for stroke in ghost.strokes if id(stroke) in there]
                     if not ghost.is_written:
-                        self.marks.pop(place, None)
+                        self.marks.pop(index, None)
         for stroke in strokes:
             self._count(stroke, is_over=True)
         if current is not None:
@@ -429,15 +429,15 @@ class Copybook:
         step = 1 if len(samples) < _MANY else _SPARSE
         # the way, not the root: that of a brush that leans is over another character
         path = object_poses(samples[::step])
-        runs, n_looked = _strokes_in(path, is_over=is_over)
-        found = [self._find_character(path.way[first:last]) for first, last in runs]
-        places = [place for place in found if place is not None]
+        runs, n_looked = _split_by_lifts(path, is_over=is_over)
+        nearest = [self._find_character(path.way[first:last]) for first, last in runs]
+        indices = [index for index in nearest if index is not None]
         with self._keeping:
             self._counted[id(stroke)] = counted
             counted.n_samples += min(step * n_looked, len(samples))
-            counted.places += places
-            for place in places:
-                self.ghosts[place].strokes.append(stroke)
+            counted.places += indices
+            for index in indices:
+                self.ghosts[index].strokes.append(stroke)
         return counted
 
 
@@ -450,7 +450,7 @@ class _Counted:
     places: list[int] = field(default_factory=list)
 
 
-def _strokes_in(path: BrushPath, *, is_over: bool) -> tuple[list[tuple[int, int]], int]:
+def _split_by_lifts(path: BrushPath, *, is_over: bool) -> tuple[list[tuple[int, int]], int]:
     """From where to before where the brush is down, and up to where that is known.
 
     It is one stroke as long as the brush is lifted for moments only.

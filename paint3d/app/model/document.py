@@ -87,7 +87,7 @@ from paint3d.view.pressed_tuft import TuftFollower
 
 __all__ = ["Document", "FileState"]
 
-_BLOTTED = 0.8  # of wet ink, that blotting paper lifts
+_BLOT_FRACTION = 0.8  # of wet ink, that blotting paper lifts
 _MOST_PICKUP = 1000.0  # 1/mm, as in recordings
 _MANY_OUTDATED = 1024  # vertices, above which their colours are found while nobody paints
 _EDIT_STEP = COMMANDS["edit_strokes"].undo_label
@@ -202,10 +202,12 @@ class Document:
         try:
             undone = strokes_of(saved.undone, self.properties.get("brushes"))
             log = self._log
-            held = restore_history(self.surface, self._undo, saved.history, log.strokes, undone)
+            n_restored = restore_history(
+                self.surface, self._undo, saved.history, log.strokes, undone
+            )
         except SessionError as error:
             return error.message
-        self._log.hold(held)
+        self._log.hold(n_restored)
         return None
 
     def _capture_state(self) -> dict[str, object]:
@@ -320,9 +322,9 @@ class Document:
     def save_copy(self, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
         """Write everything to a session that is not the painting's own; see `save`."""
         self._refresh_colours()
-        save_session(self._session(), path, progress)
+        save_session(self._make_session(), path, progress)
 
-    def _session(self) -> Session:
+    def _make_session(self) -> Session:
         settings = {**self.properties, "brush": brush_words(self.painter.brush)}
         settings |= {"ink": self.painter.ink.name, "unit": self.unit}
         settings["azimuth"] = self.painter.azimuth
@@ -565,9 +567,9 @@ class Document:
         if not parts.any():
             return None
         parts /= parts.sum()
-        found = {p: float(w) for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-3}
-        self.dip(found)
-        return {pigment.name: part for pigment, part in found.items()}
+        ink = {p: float(w) for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-3}
+        self.dip(ink)
+        return {pigment.name: part for pigment, part in ink.items()}
 
     # -- strokes ----------------------------------------------------------------------------
 
@@ -826,7 +828,7 @@ class Document:
         self.modified = True
 
     @recorded
-    def blot(self, share: float = _BLOTTED) -> None:
+    def blot(self, share: float = _BLOT_FRACTION) -> None:
         """Lay blotting paper on what is wet, and take it up: a step that can be undone.
 
         It lifts the water and a share of the ink, 0 to 1, where the mask allows; the rest dries.
@@ -1318,8 +1320,8 @@ class Document:
         while steps.done and steps.done[-1] == _EDIT_STEP:
             touched.append(steps.undo())
         touched.append(steps.undo())
-        held = painter.brush, weights_of(painter.dipped), painter.amount
-        if held != (brush, weights_of(dipped), amount):
+        now = painter.brush, weights_of(painter.dipped), painter.amount
+        if now != (brush, weights_of(dipped), amount):
             painter.change_brush(brush)
             painter.dip(dipped, amount=amount)
             self._dipped_since_stroke = True
@@ -1349,9 +1351,9 @@ class Document:
         """Update strokes, `modified` and changed vertices after steps were undone or redone."""
         self._follow_log()
         self.update_modified()
-        found = self._union(touched)
-        self._queue_changed(found)
-        return found
+        vertex_ids = self._union(touched)
+        self._queue_changed(vertex_ids)
+        return vertex_ids
 
     def update_modified(self) -> None:
         """Set `modified` by whether the current undo step is the saved one."""
@@ -1401,7 +1403,7 @@ class Document:
             touched.append(self.recall_strokes())
         while len(self.strokes) > upto:
             touched.append(self._undo_step())
-        while len(self.strokes) < upto or self._next_is_no_stroke():
+        while len(self.strokes) < upto or self._next_redo_is_no_stroke():
             touched.append(self._redo_step())
         self._is_previewing, self.looks_back = passing, upto < most
         return self._union(touched)
@@ -1411,7 +1413,7 @@ class Document:
         if self._is_previewing:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
 
-    def _next_is_no_stroke(self) -> bool:
+    def _next_redo_is_no_stroke(self) -> bool:
         """Return whether what can be done again next is drying, or a change of the layers."""
         undone = self._undo.undone
         return bool(undone) and not isinstance(undone[-1], Stroke)
@@ -1481,17 +1483,17 @@ class Document:
                 self._saved_at = self._undo.next_undo
         finally:
             touched += [self._undo.redo() for _ in range(n_done)]
-            held = painter.brush, names_of(dips_of(painter)), painter.amount
-            if held != (brush, names_of(dips), amount):
+            now = painter.brush, names_of(dips_of(painter)), painter.amount
+            if now != (brush, names_of(dips), amount):
                 painter.change_brush(brush)
                 for ink, reach in dips:  # the belly, and then the tip
                     painter.dip(ink, reach, amount if reach is None else None)
             self._dipped_since_stroke = since_dip
-            found = self._union(touched)
-            self.surface.touch(found)
-            self._queue_changed(found)
+            vertex_ids = self._union(touched)
+            self.surface.touch(vertex_ids)
+            self._queue_changed(vertex_ids)
         self.recorder = None  # what is painted again is not what was
-        return found
+        return vertex_ids
 
     # -- edits of strokes -------------------------------------------------------------------
 
@@ -1578,13 +1580,13 @@ class Document:
         """
         score = self._score_to_edit()
         seals = follow_steps(score).seals
-        held = self.n_seals
-        if not 0 <= place < len(seals) or len(seals) != held:
+        n_seals = self.n_seals
+        if not 0 <= place < len(seals) or len(seals) != n_seals:
             raise InputError(
                 "seal {number} cannot be edited: the score has {count} seals, undo reaches {steps}",
                 number=place + 1,
                 count=len(seals),
-                steps=held,
+                steps=n_seals,
             )
         words = self._serialize_edit(edit, score)
         edited = apply_seal_edit(score, place + 1, words)
@@ -1657,7 +1659,7 @@ class Document:
         )
         try:
             with recorder.suspended(), self._restore_context(edited, begin):
-                self._play(edited, begin)
+                self._play_edited(edited, begin)
         except BaseException:
             with recorder.suspended():
                 self.cancel_stroke()
@@ -1672,12 +1674,12 @@ class Document:
         finally:
             self._restore_layer_properties(layers)
             self._take_in_hand(before)
-            found = self._union(touched)
-            self.surface.touch(found)
-            self._queue_changed(found)
-        return found
+            vertex_ids = self._union(touched)
+            self.surface.touch(vertex_ids)
+            self._queue_changed(vertex_ids)
+        return vertex_ids
 
-    def _play(self, edited: Score, begin: int) -> None:
+    def _play_edited(self, edited: Score, begin: int) -> None:
         """Play a score from an event on; the first step of it must be one by itself."""
         first = edited.events[begin] if begin < len(edited.events) else {"do": ""}
         if isinstance(first, Recording) or first["do"] != "begin_stroke":
@@ -1697,10 +1699,10 @@ class Document:
         inks = list(self.inks)
         self._is_repainting = True
         self._apply_settings_at(score, begin)
-        for place in range(len(stack.layers)):
-            stack.set_properties(place, visible=True, locked=False)
-            if stack.layers[place].group is not None:
-                stack.set_group_properties(place, visible=True)
+        for k in range(len(stack.layers)):
+            stack.set_properties(k, visible=True, locked=False)
+            if stack.layers[k].group is not None:
+                stack.set_group_properties(k, visible=True)
         try:
             yield
         finally:
@@ -1712,14 +1714,12 @@ class Document:
         """Give the layers the names, visibility and locks that they had."""
         stack = self.surface.use_layers()
         if len(stack.layers) == len(layers):
-            for place, layer in enumerate(layers):
-                stack.set_properties(
-                    place, name=layer.name, visible=layer.visible, locked=layer.locked
-                )
-                group, now = layer.group, stack.layers[place].group
+            for k, layer in enumerate(layers):
+                stack.set_properties(k, name=layer.name, visible=layer.visible, locked=layer.locked)
+                group, now = layer.group, stack.layers[k].group
                 if group is not None and now is not None:
                     stack.set_group_properties(
-                        place, name=group.name, visible=group.visible, folded=group.folded
+                        k, name=group.name, visible=group.visible, folded=group.folded
                     )
 
     def _apply_settings_at(self, score: Score, begin: int) -> None:
@@ -1745,10 +1745,10 @@ class Document:
         """Exchange the painting for the other version of the last edit."""
         before = self._in_hand()
         touched, self.recorder = turn(self.recorder)
-        found = self._follow_steps(touched)
+        vertex_ids = self._follow_steps(touched)
         self._take_in_hand(before)
         self._is_previewing = self.looks_back = False
-        return found
+        return vertex_ids
 
     def _in_hand(self) -> tuple[BrushSpec, Any, DipAmount]:
         return self.painter.brush, self.painter.dipped, self.painter.amount
@@ -1758,8 +1758,8 @@ class Document:
         brush, dipped, amount = in_hand
         if self.painter.brush != brush:
             self.set_brush(brush)
-        held = weights_of(self.painter.dipped), self.painter.amount
-        if held != (weights_of(dipped), amount):
+        now = weights_of(self.painter.dipped), self.painter.amount
+        if now != (weights_of(dipped), amount):
             self.dip(dipped, amount=amount.words())
 
     # -- what is shown --------------------------------------------------------------------

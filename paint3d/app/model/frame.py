@@ -82,8 +82,8 @@ def held_ink(painter: Painter) -> HeldInk:
     if total <= 0.0 or len(load) > len(pigments):
         return HeldInk((), 0.0, ())
     along = reservoirs if len(reservoirs) > 1 else load[None]
-    shares = along / np.maximum(along.sum(axis=1, keepdims=True), 1e-30)
-    bands = [ink_srgb(pigments, tuple(np.round(part, 3))) for part in shares]
+    fractions = along / np.maximum(along.sum(axis=1, keepdims=True), 1e-30)
+    bands = [ink_srgb(pigments, tuple(np.round(part, 3))) for part in fractions]
     parts = sorted(  # most first, water last
         zip(pigments, load / total, strict=False), key=lambda part: (part[0] is WATER, -part[1])
     )
@@ -301,10 +301,10 @@ class PaintingFrame:
 
 def view_brush(document: Document, sample: DeviceSample) -> BrushView:
     """The brush at a sample of both hands, its tuft as painting will have it there."""
-    samples, painted = _way_to(document, sample)
+    samples, painted = _unpainted_path(document, sample)
     path, painter = object_poses(samples), document.painter
-    held = document.surface.ink.load
-    parts = tuple(np.round(held / held.sum(), 3)) if held.sum() > 0.0 else ()
+    load = document.surface.ink.load
+    parts = tuple(np.round(load / load.sum(), 3)) if load.sum() > 0.0 else ()
     colour = ink_srgb(tuple(document.surface.pigments), parts, on_hair=True)
     return BrushView(
         path.position[-1],
@@ -312,12 +312,12 @@ def view_brush(document: Document, sample: DeviceSample) -> BrushView:
         sample.pressure,
         document.tuft_follower.follow(painter, path, painted=painted),
         np.array(colour, np.uint8),
-        float(min(1.0, held.sum() / painter.tuft.load)),
+        float(min(1.0, load.sum() / painter.tuft.load)),
         document.in_stroke,
     )
 
 
-def _way_to(document: Document, sample: DeviceSample) -> tuple[list[DeviceSample], bool]:
+def _unpainted_path(document: Document, sample: DeviceSample) -> tuple[list[DeviceSample], bool]:
     """The samples of the stroke from the one that is painted to this one; and whether that is so.
 
     A sample that cannot follow the stroke's is one by itself.

@@ -138,10 +138,10 @@ class LaidText:
     def words(self) -> dict[str, Any]:
         """Dictionary from which `of` makes the same text, for JSON; defaults are left out."""
         usual = LaidText()
-        said = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}
+        values = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}
         return {
             name: list(value) if isinstance(value, tuple) else value
-            for name, value in said.items()
+            for name, value in values.items()
             if value != getattr(usual, name)
         }
 

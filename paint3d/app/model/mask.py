@@ -109,9 +109,9 @@ class Mask:
         return self.angle is None and not self.regions
 
 
-def nearest_vertex(mesh: PaintMesh, place: AnyArray) -> int:
-    """The vertex nearest to a place (3,), mm."""
-    away = mesh.vertices - place.astype(np.float32)
+def nearest_vertex(mesh: PaintMesh, point: AnyArray) -> int:
+    """The vertex nearest to a point (3,), mm."""
+    away = mesh.vertices - point.astype(np.float32)
     return int(np.argmin(np.einsum("ij,ij->i", away, away)))
 
 
@@ -123,13 +123,13 @@ def face_at(mesh: PaintMesh, vertex_id: int) -> int:
     InputError
         If there is no such vertex, or no face has it.
     """
-    found = np.flatnonzero((mesh.leaf_faces() == vertex_id).any(axis=1))
-    if not len(found):
+    faces = np.flatnonzero((mesh.leaf_faces() == vertex_id).any(axis=1))
+    if not len(faces):
         raise InputError(
             "vertex {vertex_id} belongs to no face; expected one that does",
             vertex_id=vertex_id,
         )
-    return int(mesh.leaf_roots()[found[0]])
+    return int(mesh.leaf_roots()[faces[0]])
 
 
 def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
@@ -162,8 +162,8 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
 def _find_neighbours(mesh: PaintMesh) -> tuple[AnyArray, AnyArray]:
     """Pairs of faces that share an edge, wherever its vertices are split by normals."""
     points = mesh.vertices[: mesh.n_base_vertices]
-    _, place = np.unique(points, axis=0, return_inverse=True)
-    corners = place.reshape(-1)[mesh.base_faces]
+    _, position = np.unique(points, axis=0, return_inverse=True)
+    corners = position.reshape(-1)[mesh.base_faces]
     edges = np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     owner = np.repeat(np.arange(len(corners)), 3)
     order = np.lexsort(edges.T)
@@ -244,7 +244,7 @@ class Stencil:
             coats x mm2.
         """
         ink = self._surface.ink
-        ids = self._touched_masked()
+        ids = self._find_touched()
         if not len(ids):
             return np.zeros(len(ink.load))
         amounts, coverage = before(ids)
@@ -255,7 +255,7 @@ class Stencil:
         ink.amounts[ids], ink.coverage[ids] = amounts, coverage
         return give_back(self._surface, ids[moved], came[moved])
 
-    def _touched_masked(self) -> AnyArray:
+    def _find_touched(self) -> AnyArray:
         """Masked vertices among those that were touched since colours were asked for last."""
         ink = self._surface.ink
         dirty, known = ink.dirty_ids[: int(ink.n_dirty[0])], self._looked

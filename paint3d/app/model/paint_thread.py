@@ -107,10 +107,10 @@ class Pace:
 
     def most(self, behind_s: float) -> int:
         """Steps that may pass at once when painting lags the hand by so many seconds."""
-        room_s = _MOST_BEHIND_S - behind_s
+        available_s = _MOST_BEHIND_S - behind_s
         if self._piece_s <= _KEEPS_UP * PIECE_S:
-            room_s = max(room_s, _MOST_WORK_S)
-        pieces = int(room_s / max(self._piece_s, _SHORTEST_S))
+            available_s = max(available_s, _MOST_WORK_S)
+        pieces = int(available_s / max(self._piece_s, _SHORTEST_S))
         return max(pieces, 1 if behind_s <= _BESIDE_S else 0)  # or ink would never run again
 
 
@@ -258,7 +258,7 @@ class PaintThread:
             if ended is not None and ended not in commands:
                 last = first  # they are painted
             fed = [job for job in waiting[first:last] if job.command in (None, _LIFT, _FOLLOW)]
-            self._leave_out(fed)
+            self._drop_jobs(fed)
             self._base_due = True  # the journal says that they were painted
 
     def hover(self, sample: DeviceSample) -> None:
@@ -279,7 +279,7 @@ class PaintThread:
         with self._wake:
             self._seen_ns = (now if self._seen_ns is None else self._seen_ns[1], now)
             if self._runs_by_the_clock:
-                until_ns = self._handed_over_ns() - self._saved_up_ns()
+                until_ns = self._handed_over_ns() - self._ink_time_saved_up_ns()
                 if self.ink_clock.patience(until_ns) <= 0.0:
                     self._nudged = True
                     self._wake.notify()
@@ -360,13 +360,13 @@ class PaintThread:
         """
         with self._wake:
             self._wanting += 1
-        held = self._busy.acquire(timeout=seconds)
-        if held:
+        is_held = self._busy.acquire(timeout=seconds)
+        if is_held:
             self._holder = threading.get_ident()
         try:
-            yield self._document if held else None
+            yield self._document if is_held else None
         finally:
-            if held:
+            if is_held:
                 self._holder = None
                 self._busy.release()
             with self._wake:
@@ -428,7 +428,7 @@ class PaintThread:
         """
         with self._wake:
             if not finish:
-                self._leave_out(list(self._jobs))
+                self._drop_jobs(list(self._jobs))
             self._stopping = True
             self._wake.notify_all()
         self._thread.join()
@@ -479,7 +479,7 @@ class PaintThread:
         if self._writer is not None:
             self._writer.put(job)
 
-    def _leave_out(self, jobs: Sequence[_Job]) -> None:
+    def _drop_jobs(self, jobs: Sequence[_Job]) -> None:
         """Do none of these jobs that wait; holds the lock."""
         left = {id(job) for job in jobs}
         self._jobs = deque(job for job in self._jobs if id(job) not in left)
@@ -535,7 +535,7 @@ class PaintThread:
         with self._wake:
             job = self._jobs.popleft() if self._jobs else None
         if job is not None:
-            self._do(job)
+            self._run_job(job)
             if job.command != _FOLLOW:
                 self._n_done += 1
                 self.last_asked_s = time.monotonic()
@@ -547,11 +547,11 @@ class PaintThread:
             self._run_guarded("keeping", self._keep_base)
             self._run_guarded("preparing", self._document.prepare_next_stroke)
 
-    def _do(self, job: _Job) -> None:
+    def _run_job(self, job: _Job) -> None:
         self._stale = True
         if job.command is None:
             try:
-                self._paint(job)
+                self._paint_chunk(job)
             except Exception as error:
                 self.report("painting", error)
                 self._keep_refusal(error)
@@ -583,7 +583,7 @@ class PaintThread:
         if name == _FOLLOW:
             self._pace.took(time.perf_counter() - before)
 
-    def _paint(self, job: _Job) -> None:
+    def _paint_chunk(self, job: _Job) -> None:
         """Paint a chunk of a batch; what is left of it comes next."""
         chunk, rest = job.samples[:_CHUNK], job.samples[_CHUNK:]
         if rest:
@@ -605,7 +605,7 @@ class PaintThread:
             if passed and not is_dry:
                 self._enqueue(_ink_job(time.perf_counter()))
 
-    def _saved_up_ns(self) -> int:
+    def _ink_time_saved_up_ns(self) -> int:
         """Ink time that is saved up before it passes, ns: waking for each step costs more."""
         rested_s = time.monotonic() - self.last_asked_s
         if rested_s < _LIVELY_S:
@@ -767,7 +767,7 @@ class _JournalWriter:
 
     def _run(self) -> None:
         broken = False
-        while items := self._take():
+        while items := self._take_waiting():
             for turns, some in itertools.groupby(items, lambda item: isinstance(item, Future)):
                 if self._leaving:
                     continue
@@ -778,7 +778,7 @@ class _JournalWriter:
                     self.has_gap = True
                 broken = bool(errors)
 
-    def _take(self) -> list[_Item]:
+    def _take_waiting(self) -> list[_Item]:
         """Take all that waits, or else what comes next; nothing at the end."""
         items = [self._queue.get()]
         while items[-1] is not None and not self._queue.empty():

@@ -96,7 +96,7 @@ class SealPress:
                 coats=left.coats[free],
                 share=left.share[free],
             )
-        parts = _parts(surface, ink)
+        parts = _paste_parts(surface, ink)
         self._undo.begin(COMMANDS["press_seal"].undo_label)
         self._painter.loaded += lay_paste(surface, left, parts)
         if left.touched < _PALE:
@@ -107,7 +107,7 @@ class SealPress:
         return left.touched
 
 
-def _parts(surface: PaintedSurface, ink: Ink) -> AnyArray:
+def _paste_parts(surface: PaintedSurface, ink: Ink) -> AnyArray:
     """(P,) float32 parts of the surface's pigments, of sum 1."""
     stirred: Mapping[Any, float] = ink if isinstance(ink, Mapping) else {ink: 1.0}
     if not stirred:

@@ -330,10 +330,10 @@ def strokes_of(recordings: Sequence[Recording], brushes: object = None) -> list[
         If a header is not that of a stroke.
     """
     known = brushes if isinstance(brushes, Mapping) else {}
-    return [_stroke_of(recording, known) for recording in recordings]
+    return [_read_stroke(recording, known) for recording in recordings]
 
 
-def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -> Stroke:
+def _read_stroke(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -> Stroke:
     """A stroke that was saved.
 
     Raises

@@ -39,9 +39,9 @@ class ImagePainter:
         self._image = image
         hairs = 0 if painter.hairs is None else painter.hairs.spec
         self._twin = Painter(self._surface, painter.brush, None, painter.azimuth, hairs=hairs)
-        kept = painter.keep()
-        del kept["hairs"]  # the twin has its own, in which the same is
-        self._twin.restore({**kept, "loaded": 0.0})
+        state = painter.keep()
+        del state["hairs"]  # the twin has its own, in which the same is
+        self._twin.restore({**state, "loaded": 0.0})
         ink = self._surface.ink
         self._held = ink.load.copy(), ink.reservoirs.copy()
         painter.loaded += painter.in_brush()

@@ -186,7 +186,7 @@ class HandInput:
     failures: tuple[DeviceError, ...] = ()
 
 
-def went_down(button: int, before: int | None, held: list[int]) -> tuple[bool, int | None]:
+def went_down(button: int, before: int | None, buttons: list[int]) -> tuple[bool, int | None]:
     """Return whether a button of a stylus went down, and which are held now.
 
     Parameters
@@ -195,10 +195,10 @@ def went_down(button: int, before: int | None, held: list[int]) -> tuple[bool, i
         Its bit.
     before : int or None
         Held until now; None where that is not known, and then what is held first went down before.
-    held : list of int
-        By reading.
+    buttons : list of int
+        Held by reading.
     """
-    known = held if before is None else [before, *held]
+    known = buttons if before is None else [before, *buttons]
     down = any(now & ~then & button for then, now in pairwise(known))
     return down, known[-1] if known else None
 
@@ -251,14 +251,14 @@ class DeviceHub:
 
     def views(self) -> list[DeviceView]:
         """All devices: the open ones first, then those that could not be opened."""
-        found = [
+        views = [
             DeviceView(node.name, node.kind, "left" if node.kind in _LEFT else "right", True)
             for node in self._plugged.nodes()
         ]
         if self._feedback is not None:
-            found.append(DeviceView(self._stylus_name, "stylus", "right", True))
+            views.append(DeviceView(self._stylus_name, "stylus", "right", True))
         failures = dict(self._plugged.failures)
-        return found + [DeviceView(path, "", "", False, why) for path, why in failures.items()]
+        return views + [DeviceView(path, "", "", False, why) for path, why in failures.items()]
 
     def set_mouse(self, settings: MouseSettings) -> None:
         """Set how the 6-DOF mouse is read from now on."""
@@ -288,7 +288,7 @@ class DeviceHub:
             for action in find_actions(self._buttons, event.buttons, self._actions):
                 samples += self.hands.take(event.time_ns)  # what was before it
                 try:
-                    commands += self._act(action)
+                    commands += self._run_action(action)
                 except DeviceError as failure:
                     failures.append(failure)
             self._buttons = event.buttons
@@ -306,7 +306,7 @@ class DeviceHub:
         samples += self.hands.take(self._clock() - _SETTLE_NS)
         return HandInput(samples, commands, self.hands.object_pose, tuple(failures))
 
-    def _act(self, action: str) -> list[str]:
+    def _run_action(self, action: str) -> list[str]:
         """Do what concerns the object; what concerns the document."""
         if action in DOCUMENT_COMMANDS:
             return [DOCUMENT_COMMANDS[action]]
@@ -370,21 +370,21 @@ class StrokeCutter:
 
     def cut(self, samples: Iterable[DeviceSample]) -> list[str | list[DeviceSample]]:
         """Split samples into strokes, with "begin_stroke" and "end_stroke" between them."""
-        found: list[str | list[DeviceSample]] = []
+        parts: list[str | list[DeviceSample]] = []
         for sample in samples:
             down = self._touches(sample)
             if down and not self._down:
-                found.append("begin_stroke")
-                found.append([] if self._before is None else [self._before])
+                parts.append("begin_stroke")
+                parts.append([] if self._before is None else [self._before])
             if down or self._down:
-                if found and isinstance(found[-1], list):
-                    found[-1].append(sample)
+                if parts and isinstance(parts[-1], list):
+                    parts[-1].append(sample)
                 else:
-                    found.append([sample])
+                    parts.append([sample])
             if self._down and not down:
-                found.append("end_stroke")
+                parts.append("end_stroke")
             self._down, self._before = down, sample
-        return [part for part in found if part]
+        return [part for part in parts if part]
 
     def end(self) -> bool:
         """Stop listening to the hand; return whether a stroke was going on."""
@@ -455,12 +455,12 @@ def start_feeling(document: Document, settings: Settings) -> Feeling | None:
     Paint3DError
         If the one that was chosen is not there, saying what is missing; or it does not start.
     """
-    found = find_stylus(settings.stylus)
-    if found is None:
+    stylus = find_stylus(settings.stylus)
+    if stylus is None:
         return None
     feel, brush = Feel.from_words(settings.feel), document.painter.brush
-    calibration = stored_calibration(found.key) or found.frame
+    calibration = stored_calibration(stylus.key) or stylus.frame
     surface = document.surface
-    felt = feel.settings(brush, found.limits, surface.material)
-    feedback = ForceFeedback(found.port, surface.contact_tree, felt, calibration)
-    return Feeling(feedback, found.name, found.key, found.limits, calibration)
+    felt = feel.settings(brush, stylus.limits, surface.material)
+    feedback = ForceFeedback(stylus.port, surface.contact_tree, felt, calibration)
+    return Feeling(feedback, stylus.name, stylus.key, stylus.limits, calibration)

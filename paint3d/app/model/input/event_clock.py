@@ -81,26 +81,26 @@ class EventClock:
             known.untimed = False  # it has begun to
             known.offset_ns = _offset_ns(stamp_ms, handled_ns)
         if known.untimed:
-            found = self._even_out(known, handled_ns, painting)
+            time_ns = self._even_out(known, handled_ns, painting)
         else:
-            found = self._map_stamp(known, stamp_ms, handled_ns, painting)
-            if not painting and self._last_ns is not None and found < self._last_ns - _MS:
-                known.offset_ns += self._last_ns + _TIE_NS - found
+            time_ns = self._map_stamp(known, stamp_ms, handled_ns, painting)
+            if not painting and self._last_ns is not None and time_ns < self._last_ns - _MS:
+                known.offset_ns += self._last_ns + _TIE_NS - time_ns
         known.stamp_ms, known.handled_ns = stamp_ms, handled_ns
         if self._last_ns is not None:
-            found = max(found, self._last_ns + _TIE_NS)
-        self._last_ns = found
-        return found
+            time_ns = max(time_ns, self._last_ns + _TIE_NS)
+        self._last_ns = time_ns
+        return time_ns
 
     def _map_stamp(self, known: _Kind, stamp_ms: int, handled_ns: int, painting: bool) -> int:
-        found = known.offset_ns + stamp_ms * _MS
-        astray = found > handled_ns + _AHEAD_NS or found < handled_ns - _LOST_NS
+        time_ns = known.offset_ns + stamp_ms * _MS
+        astray = time_ns > handled_ns + _AHEAD_NS or time_ns < handled_ns - _LOST_NS
         back = stamp_ms < known.stamp_ms
         later = self._last_ns is None or handled_ns > self._last_ns  # no stroke is squeezed by it
         if back or (astray and later and not painting):
             known.offset_ns = _offset_ns(stamp_ms, handled_ns)
             return known.offset_ns + stamp_ms * _MS
-        return found
+        return time_ns
 
     def _even_out(self, known: _Kind, handled_ns: int, painting: bool) -> int:
         if not painting:  # times that lead by more than evening out does are gone on with

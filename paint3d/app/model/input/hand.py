@@ -124,7 +124,7 @@ def turned_with(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray
 
 def root_over(
     brush: BrushSpec,
-    place: AnyArray,
+    point: AnyArray,
     normal: AnyArray,
     bend: AnyArray,
     handle: AnyArray,
@@ -138,14 +138,14 @@ def root_over(
     Parameters
     ----------
     brush : BrushSpec
-    place, normal : (3,)
+    point, normal : (3,)
         On the surface, mm, and the unit normal there.
     bend : (3,)
         Unit, along the surface, from the root's foot to the tip.
     handle : (3,)
         Unit, up the handle.
     pressure : float
-        0 to 1; 0: the straight tuft's tip is at the place.
+        0 to 1; 0: the straight tuft's tip is at the point.
 
     Returns
     -------
@@ -153,12 +153,12 @@ def root_over(
         mm.
     """
     if pressure <= 0.0:
-        return place + brush.length_mm * handle
+        return point + brush.length_mm * handle
     upright, ahead = float(handle @ normal), float(handle @ bend)
     tilt = math.acos(min(1.0, max(0.0, -ahead)))
     tuft = build_tuft(brush)
     descent = min(pressure * tuft.full_press, greatest_descent(tuft, max(tilt, tuft.lowest_tilt)))
-    foot = place - _middle_reach(tuft, descent, tilt, pressure) * bend
+    foot = point - _middle_reach(tuft, descent, tilt, pressure) * bend
     height = max(0.0, brush.length_mm * upright - descent)
     aside = handle - upright * normal - min(0.0, ahead) * bend  # what is no lean along the bend
     result: AnyArray = foot + height * normal + brush.length_mm * aside
@@ -192,12 +192,15 @@ _STEP_NS = 1_000_000
 _GLIDE_MM_S = 150.0  # how fast a steadied brush is brought to the end of its string
 _GLIDE_STEP_MM = 0.5
 _LEAST_GAP_MM = 3.0
-_PLACES_BETWEEN = (0.25, 0.5, 0.75)
+_FRACTIONS_BETWEEN = (0.25, 0.5, 0.75)
 _MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outline leaves it by 0.21
 _HALVINGS = 7  # of the angle between two rays, to find an edge between them
-_STAYS = 0.6  # of a way: a part that stays greater is an edge's
+_LEAST_SHRINKING = 0.6  # of a way: a part that stays greater is an edge's
 _FILTER_S = 0.03  # over which the pointer's speed is taken
-_SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that shows a stroke's direction, if need be
+_SURE_DIRECTION, _LEAST_DIRECTION = (
+    0.3,
+    0.15,
+)  # of the trail: a way that shows a stroke's direction, if need be
 _STANDS_NS = 150_000_000  # after which a brush that does not move comes down as it is
 _LEANS = math.sin(math.radians(5.0))  # a pen that leans more has its tip on the other side
 _UNDER = 0.07  # of the tuft's length: half a footprint, about
@@ -431,20 +434,20 @@ class Hand:
         state = self._state
         if state is None or state.began_ns is None or event.time_ns <= state.sent_ns:
             return []
-        found = self._meet(event)
-        if found is None:
+        meeting = self._meet(event)
+        if meeting is None:
             state.beside = True
-        elif state.beside or self._is_apart(found[0], event):
+        elif state.beside or self._is_apart(meeting[0], event):
             lifted = self.end(self._now.sent_ns, brush)
             landed = max(event.time_ns, lifted[-1].time_ns + 2 * _STEP_NS)
             return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
         before = state.sent_ns
-        stand = self._follow(event, found, brush, pulled=True, pressed=True)
+        stand = self._follow(event, meeting, brush, pulled=True, pressed=True)
         if stand is None:
             return []
         state.sent_ns = event.time_ns
         samples = []
-        for between in self._over_fold(stand, event, brush, before):
+        for between in self._stands_over_fold(stand, event, brush, before):
             samples += self._put_down(between, brush)
         return samples + self._put_down(stand, brush)
 
@@ -475,30 +478,30 @@ class Hand:
             self._waiting.append(pressed)
         samples = self._land(brush) + self._glide(brush)
         state.began_ns = None
-        found = None if event is None or state.beside else self._meet(event)
+        meeting = None if event is None or state.beside else self._meet(event)
         lifted = replace(self._latest, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
-        if found is not None and self.settings.ruler != "none":
-            found = self._follow_ruler(*found)
-        if found is not None:
-            far = length_of(found[0] - lifted.point) > _LIFTED_OVER * brush.length_mm
-            if not far and event is not None and not self._is_apart(found[0], event):
-                normal = self._normal_under(*found, brush)
-                lifted = replace(lifted, point=found[0], normal=normal)
+        if meeting is not None and self.settings.ruler != "none":
+            meeting = self._follow_ruler(*meeting)
+        if meeting is not None:
+            far = length_of(meeting[0] - lifted.point) > _LIFTED_OVER * brush.length_mm
+            if not far and event is not None and not self._is_apart(meeting[0], event):
+                normal = self._normal_under(*meeting, brush)
+                lifted = replace(lifted, point=meeting[0], normal=normal)
         return [*samples, self._sample(lifted, brush)]
 
     # -- steps ------------------------------------------------------------------------------
 
     def _is_apart(self, point: AnyArray, event: PointerInput) -> bool:
         """Return whether the way to a point leaves the surface, as from a rim to what is behind."""
-        way = point - self._now.target
-        distance = length_of(way)
+        step = point - self._now.target
+        distance = length_of(step)
         if distance < _LEAST_GAP_MM:
             return False
-        between = self._now.target + np.outer(_PLACES_BETWEEN, way)
+        between = self._now.target + np.outer(_FRACTIONS_BETWEEN, step)
         off = np.linalg.norm(self._surface.find(between).points - between, axis=1)
-        return bool(off.max() > _MOST_OFF * distance) or self._leaps(point, event)
+        return bool(off.max() > _MOST_OFF * distance) or self._crosses_edge(point, event)
 
-    def _leaps(self, point: AnyArray, event: PointerInput) -> bool:
+    def _crosses_edge(self, point: AnyArray, event: PointerInput) -> bool:
         """Return whether an edge is seen between the last point and this: no ray meets the way.
 
         Of two rays the one in the middle halves the way between what they meet, or, where the
@@ -507,7 +510,7 @@ class Hand:
         rays = [self._now.ray, _ray_of(event)]
         if rays[0] is None or rays[1] is None:
             return False
-        places = [self._now.target, point]
+        points = [self._now.target, point]
         gap = length_of(point - self._now.target)
         for _ in range(_HALVINGS):
             origin, direction = (0.5 * (a + b) for a, b in zip(*rays, strict=True))
@@ -515,14 +518,14 @@ class Hand:
             hit = self._surface.cast(middle[0][None], middle[1][None])
             if not hit.hit[0]:
                 return True
-            gaps = [length_of(hit.points[0] - place) for place in places]
-            if max(gaps) < _STAYS * gap:
+            gaps = [length_of(hit.points[0] - end) for end in points]
+            if max(gaps) < _LEAST_SHRINKING * gap:
                 return False
             behind = int(gaps[0] >= gaps[1])
-            rays[behind], places[behind] = middle, hit.points[0]
+            rays[behind], points[behind] = middle, hit.points[0]
         return True
 
-    def _over_fold(
+    def _stands_over_fold(
         self, stand: _Stand, event: PointerInput, brush: BrushSpec, before_ns: int
     ) -> list[_Stand]:
         """Stands between the last and this one, where the surface turns between them.
@@ -533,11 +536,11 @@ class Hand:
         last = self._waiting[-1] if self._waiting else self._latest
         cosine = float(np.clip(last.normal @ stand.normal, -1.0, 1.0))
         n = min(math.ceil(math.acos(cosine) / _TURNS), (stand.time_ns - before_ns) // _STEP_NS)
-        way = stand.point - last.point
+        step = stand.point - last.point
         stands = []
         for k in range(1, n):
             fraction = k / n
-            point, normal = self._on_surface(last.point + fraction * way)
+            point, normal = self._on_surface(last.point + fraction * step)
             normal = self._normal_under(point, normal, brush)
             lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
             stands.append(
@@ -548,7 +551,7 @@ class Hand:
                     point=point,
                     normal=normal,
                     lean=lean,
-                    rest=self._resting_way(lean, normal, event),
+                    rest=self._resting_direction(lean, normal, event),
                     pressure=last.pressure + fraction * (stand.pressure - last.pressure),
                 )
             )
@@ -557,7 +560,7 @@ class Hand:
     def _follow(
         self,
         event: PointerInput,
-        found: tuple[AnyArray, AnyArray] | None,
+        meeting: tuple[AnyArray, AnyArray] | None,
         brush: BrushSpec,
         pulled: bool,
         pressed: bool = False,
@@ -569,9 +572,9 @@ class Hand:
         change *= int(event.harder) - int(event.softer)
         change += settings.newtons_per_notch * event.wheel
         self.force = min(MAX_FORCE_N, max(0.0, self.force + change))
-        if found is None:
+        if meeting is None:
             return None
-        point, normal = found
+        point, normal = meeting
         if state is None:
             tip = point + any_tangent(normal, np.zeros(3))
             state = self._state = _StrokeState(event.time_ns, point, point, point, normal, tip)
@@ -588,12 +591,12 @@ class Hand:
             steadiness = max(steadiness, settings.mouse_smoothing)
         string = steadiness * settings.longest_string_mm if pulled else 0.0  # length, mm
         if string > 0.0:
-            way = point - state.point
-            distance = length_of(way)
+            step = point - state.point
+            distance = length_of(step)
             if distance <= string:
                 point, normal = state.point, state.normal
             else:
-                point, normal = self._on_surface(state.point + (1.0 - string / distance) * way)
+                point, normal = self._on_surface(state.point + (1.0 - string / distance) * step)
         normal = self._normal_under(point, normal, brush)
         state.point, state.normal = point, normal
         lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
@@ -603,14 +606,14 @@ class Hand:
             point,
             normal,
             lean,
-            self._resting_way(lean, normal, event),
+            self._resting_direction(lean, normal, event),
             None if event.rotation is None else math.radians(event.rotation),
             self._pressure(event) if pressed else 0.0,
             event.buttons,
             None if event.bend is None else any_tangent(normal, as_array(event.bend, "bend", (3,))),
         )
 
-    def _resting_way(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
+    def _resting_direction(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
         """Direction of a tip that nothing drags: away from the lean, else up left as seen."""
         aside = lean - (lean @ normal) * normal
         if length_of(aside) > _LEANS:
@@ -632,7 +635,7 @@ class Hand:
     def _land_if_sure(self, brush: BrushSpec) -> list[DeviceSample]:
         """Samples of all that waits, if it need not wait any longer."""
         first, last = self._waiting[0], self._waiting[-1]
-        far = length_of(last.target - first.point) >= _SURE * self._trail(brush)
+        far = length_of(last.target - first.point) >= _SURE_DIRECTION * self._trail(brush)
         stands = last.time_ns - first.time_ns >= _STANDS_NS
         given = first.twist is not None or last.bend is not None
         return self._land(brush) if far or stands or given else []
@@ -643,9 +646,9 @@ class Hand:
         if not stands:
             return []
         first = stands[0]
-        way = stands[-1].target - first.point
-        moved = length_of(way) >= _LEAST_SURE * self._trail(brush)
-        back = any_tangent(first.normal, -way) if moved else first.rest
+        step = stands[-1].target - first.point
+        moved = length_of(step) >= _LEAST_DIRECTION * self._trail(brush)
+        back = any_tangent(first.normal, -step) if moved else first.rest
         if stands[-1].bend is not None:
             back = any_tangent(first.normal, stands[-1].bend)
         self._now.tip = first.point + self._trail(brush) * back
@@ -664,8 +667,8 @@ class Hand:
         """
         state, last, trail = self._now, self._latest, self._trail(brush)
         back = turned_with(last.normal, stand.normal, state.tip - last.point)
-        way = stand.point - last.point
-        back = back - length_of(way) * _project_along(stand.normal, way)
+        step = stand.point - last.point
+        back = back - length_of(step) * _project_along(stand.normal, step)
         back = back - (back @ stand.normal) * stand.normal
         distance = length_of(back)
         if stand.bend is not None:
@@ -689,8 +692,8 @@ class Hand:
         return self._on_surface(hits.points[0]) if hits.hit[0] else None
 
     def _on_surface(self, point: AnyArray) -> tuple[AnyArray, AnyArray]:
-        found = self._surface.find(point[None])
-        return found.points[0], found.normals[0]
+        nearest = self._surface.find(point[None])
+        return nearest.points[0], nearest.normals[0]
 
     def _normal_under(self, point: AnyArray, normal: AnyArray, brush: BrushSpec) -> AnyArray:
         """The mean normal under a footprint: over a crease the handle turns by and by.
@@ -700,8 +703,8 @@ class Hand:
         """
         ahead = any_tangent(normal, np.array([1.0, 0.0, 0.0]))
         rim = _RIM @ np.stack([ahead, cross(normal, ahead)]) - _SUNK * normal
-        found = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
-        mean = 2.0 * normal + found[found @ normal > _OTHER_SIDE].sum(axis=0)
+        normals = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
+        mean = 2.0 * normal + normals[normals @ normal > _OTHER_SIDE].sum(axis=0)
         result: AnyArray = mean / length_of(mean)
         return result
 
@@ -716,7 +719,7 @@ class Hand:
         if start is None:
             return point, normal
         if state.across is None:
-            state.across = self._plane_from(start, point)
+            state.across = self._ruler_plane(start, point)
             if state.across is None:
                 return self._on_surface(start)
         for _ in range(_RULED):
@@ -724,7 +727,7 @@ class Hand:
             point, normal = self._on_surface(point - off * state.across)
         return point, normal
 
-    def _plane_from(self, start: AnyArray, point: AnyArray) -> AnyArray | None:
+    def _ruler_plane(self, start: AnyArray, point: AnyArray) -> AnyArray | None:
         """Normal of the ruler's plane; None while its direction is not known."""
         if self.settings.ruler == "ring":
             return np.array([0.0, 0.0, 1.0])
@@ -745,13 +748,13 @@ class Hand:
     def _glide(self, brush: BrushSpec) -> list[DeviceSample]:
         """Samples on the way to where the pointer was last."""
         state = self._now
-        start, way = state.point, state.goal - state.point
-        length = length_of(way)
+        start, path = state.point, state.goal - state.point
+        length = length_of(path)
         n = math.ceil(length / _GLIDE_STEP_MM)
         step_ns = round(length / max(n, 1) / _GLIDE_MM_S * 1e9)
         pressure, samples = self._latest.pressure, []
         for k in range(1, n + 1):
-            state.point, normal = self._on_surface(start + (k / n) * way)
+            state.point, normal = self._on_surface(start + (k / n) * path)
             state.normal = self._normal_under(state.point, normal, brush)
             state.sent_ns += max(step_ns, _STEP_NS)
             stand = replace(
@@ -808,13 +811,13 @@ class Hand:
         )
 
 
-def _eased(share: float) -> float:
+def _eased(fraction: float) -> float:
     """Fraction of its pressure that a mouse has while it comes down or goes up, 0 to 1.
 
     It changes fastest where the tuft is hardly down, and has no corner where it is: an end is round
     as a tuft's print, not cut to a point like a pencil.
     """
-    return share * (2.0 - share)
+    return fraction * (2.0 - fraction)
 
 
 def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
@@ -823,8 +826,8 @@ def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
     return np.asarray(event.origin, np.float64), np.asarray(event.direction, np.float64)
 
 
-def _project_along(normal: AnyArray, way: AnyArray) -> AnyArray:
+def _project_along(normal: AnyArray, vector: AnyArray) -> AnyArray:
     """A way's direction along a surface; zero where it leads straight up or down."""
-    across = way - (way @ normal) * normal
+    across = vector - (vector @ normal) * normal
     length = length_of(across)
     return across / length if length > 1e-9 else np.zeros(3)

@@ -83,21 +83,21 @@ class Symmetry:
                 n=len(self.planes),
                 most=MOST_IMAGES,
             )
-        found = [np.eye(4)]
+        images = [np.eye(4)]
         for plane in self.planes:
-            mirror = _mirror(plane)
-            found += [mirror @ image for image in found]
+            mirror = _mirror_matrix(plane)
+            images += [mirror @ image for image in images]
         if self.radial is not None:
-            turned = [_turn(self.radial, k) for k in range(turns)]
-            found = [turn @ image for turn in turned for image in found]
-        kept: list[AnyArray] = []
-        for candidate in found:
-            if all(np.abs(candidate - other).max() > _SAME for other in kept):
-                kept.append(candidate)
-        return kept[1:]
+            turned = [_turn_matrix(self.radial, k) for k in range(turns)]
+            images = [turn @ image for turn in turned for image in images]
+        distinct: list[AnyArray] = []
+        for candidate in images:
+            if all(np.abs(candidate - other).max() > _SAME for other in distinct):
+                distinct.append(candidate)
+        return distinct[1:]
 
 
-def _mirror(plane: MirrorPlane) -> AnyArray:
+def _mirror_matrix(plane: MirrorPlane) -> AnyArray:
     normal, point = _direction(plane.normal), as_array(plane.point, "point", (3,))
     image = np.eye(4)
     image[:3, :3] -= 2.0 * np.outer(normal, normal)
@@ -105,7 +105,7 @@ def _mirror(plane: MirrorPlane) -> AnyArray:
     return image
 
 
-def _turn(radial: RadialSymmetry, k: int) -> AnyArray:
+def _turn_matrix(radial: RadialSymmetry, k: int) -> AnyArray:
     axis, point = _direction(radial.axis), as_array(radial.point, "point", (3,))
     half = np.pi * k / radial.count
     q = np.array([np.cos(half), *(np.sin(half) * axis)])

@@ -29,20 +29,20 @@ def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[
         By default `own_brush_folder`.
     """
     folder = own_brush_folder() if folder is None else folder
-    presets, found, problems = load_presets(), {}, []
+    presets, brushes, problems = load_presets(), {}, []
     for path in _files(folder):
         try:
             brush = read_brush(path, presets)
-            if brush.name in found or brush.name in presets:
+            if brush.name in brushes or brush.name in presets:
                 raise BrushError(
                     "{file}: another brush is called {brush!r}",
                     file=path,
                     brush=brush.name,
                 )
-            found[brush.name] = brush
+            brushes[brush.name] = brush
         except Paint3DError as cause:
             problems.append(cause.message)
-    return found, problems
+    return brushes, problems
 
 
 def own_brush_path(name: str, folder: Path | None = None) -> Path:
@@ -57,10 +57,10 @@ def own_brush_path(name: str, folder: Path | None = None) -> Path:
 def _files(folder: Path) -> list[Path]:
     """Files of brushes in the order in which they are listed: what is kept here, .toml, first."""
     try:
-        found = sorted(path for path in folder.iterdir() if is_parameter_file(path.name))
+        files = sorted(path for path in folder.iterdir() if is_parameter_file(path.name))
     except OSError:
         return []
-    return sorted(found, key=lambda path: path.suffix.lower() != ".toml")[:_MOST]
+    return sorted(files, key=lambda path: path.suffix.lower() != ".toml")[:_MOST]
 
 
 def _choose_file(name: str, folder: Path) -> Path:

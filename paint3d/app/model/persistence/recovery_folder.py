@@ -49,7 +49,7 @@ _REFUSED = "refused"  # of a note in a journal
 _HELD: dict[Path, tuple[int, BinaryIO | None]] = {}
 """Recovery folders that this program brings back or deletes now: how often, and their locks. One
 that was stopped may go on beside the window for a while."""
-_holding = threading.Lock()
+_held_lock = threading.Lock()
 _Event = Recording | dict[str, object]
 _Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
 
@@ -293,7 +293,7 @@ class Unfinished:
             events = [e for e in events if not (isinstance(e, dict) and _REFUSED in e)]
             pieces = [piece for event in events for piece in _split_event(event)]
             report(_OPENED)
-            costs = [_cost(piece) for piece in pieces]
+            costs = [_replay_cost(piece) for piece in pieces]
             done, whole = 0.0, sum(costs)
             refused: list[Message] = []
             for piece, cost in zip(pieces, costs, strict=True):
@@ -315,13 +315,13 @@ class Unfinished:
         SessionError
             If another program has taken it up by now.
         """
-        with _holding:
+        with _held_lock:
             count, file = _HELD.get(self.folder, (0, None))
             _HELD[self.folder] = count + 1, file if count else self._take_lock()
         try:
             yield
         finally:
-            with _holding:
+            with _held_lock:
                 count, file = _HELD.pop(self.folder)
                 if count > 1:
                     _HELD[self.folder] = count - 1, file
@@ -361,17 +361,17 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
     ended long ago while they began.
     """
     root = recovery_folder() if folder is None else folder
-    found = []
+    unfinished = []
     with suppress(OSError):
         for own in sorted(root.iterdir()):
             has_begun = (own / _ABOUT).is_file()  # asked first: one that begins now locks first
             if is_locked(own / _LOCK) and own not in _HELD:  # somebody else goes on with it
                 continue
             if has_begun:
-                found += _find_unfinished(own)
+                unfinished += _find_unfinished(own)
             elif _never_began(own):
                 shutil.rmtree(own, ignore_errors=True)
-    return sorted(found, key=lambda one: one.time_s, reverse=True)
+    return sorted(unfinished, key=lambda one: one.time_s, reverse=True)
 
 
 def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) -> bool:
@@ -460,12 +460,12 @@ def _never_began(folder: Path) -> bool:
 
 def _find_numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
     """The files PREFIX-K.* with their K."""
-    found = set()
+    numbered = set()
     for file in folder.glob(f"{prefix}*"):
         digits = file.name.removeprefix(prefix).split(".")[0]
         if digits.isdigit():
-            found.add((int(digits), file))
-    return found
+            numbered.add((int(digits), file))
+    return numbered
 
 
 def _split_event(event: Recording | Mapping[str, object]) -> list[_Piece]:
@@ -476,7 +476,7 @@ def _split_event(event: Recording | Mapping[str, object]) -> list[_Piece]:
     return [samples[k : k + _AT_ONCE] for k in range(0, len(samples), _AT_ONCE)]
 
 
-def _cost(piece: _Piece) -> float:
+def _replay_cost(piece: _Piece) -> float:
     """Rough cost of replaying a piece, in samples."""
     if isinstance(piece, list):
         return float(len(piece))

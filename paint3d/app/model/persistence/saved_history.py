@@ -39,7 +39,7 @@ _MOST_BRUSHES = 1000
 _MOST_HAIRS = 1_000_000  # of all brushes together
 _LONGEST_LABEL = 100
 
-Kept = Mapping[str, Any]
+PainterState = Mapping[str, Any]
 
 
 def saved_history(
@@ -84,12 +84,12 @@ def _label_word(label: object, current: Stroke | None) -> str:
     return str(label)
 
 
-def _pack_painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
+def _pack_painters(states: Sequence[PainterState], n_pigments: int) -> dict[str, Any]:
     brushes: dict[BrushSpec, int] = {}
     painters: dict[str, dict[str, Any]] = {}
-    places: dict[str, int] = {}
-    of = np.empty(len(kept), np.int32)
-    for k, one in enumerate(kept):
+    numbers: dict[str, int] = {}
+    of = np.empty(len(states), np.int32)
+    for k, one in enumerate(states):
         painter = one["painter"]
         hairs = painter["hairs"]
         words = {
@@ -102,20 +102,20 @@ def _pack_painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
             words["amount"] = painter["amount"].words()
         key = json.dumps(words)
         painters.setdefault(key, words)
-        of[k] = places.setdefault(key, len(places))
+        of[k] = numbers.setdefault(key, len(numbers))
     texts: dict[str, int] = {}
-    for one in kept:
+    for one in states:
         texts.setdefault(one["texts"], len(texts))
-    of_hairs = [one["painter"]["of_hairs"] or _NO_HAIRS for one in kept]
+    of_hairs = [one["painter"]["of_hairs"] or _NO_HAIRS for one in states]
     loads = [np.pad(h["load"], ((0, 0), (0, n_pigments - h["load"].shape[1]))) for h in of_hairs]
     return {
         "brushes": [brush_words(brush) for brush in brushes],
         "painters": list(painters.values()),
         "painter": of,
-        "loaded": np.array([one["painter"]["loaded"] for one in kept], np.float64),
-        "dipped": np.array([one["dipped"] for one in kept], np.uint8),
+        "loaded": np.array([one["painter"]["loaded"] for one in states], np.float64),
+        "dipped": np.array([one["dipped"] for one in states], np.uint8),
         "texts": list(texts),
-        "text": np.array([texts[one["texts"]] for one in kept], np.int32),
+        "text": np.array([texts[one["texts"]] for one in states], np.int32),
         **pack_arrays("hair_loads", loads, np.float64, (n_pigments,)),
         **pack_arrays("hair_memory", [h["memory"] for h in of_hairs], np.float64),
     }
@@ -166,8 +166,8 @@ def restore_history(
             )
         done_labels = _unpack_labels(words[0], iter(strokes[len(strokes) - n_done :]))
         undone_labels = _unpack_labels(words[1], iter(undone))
-        kept = _unpack_kept(surface, state)
-        restore_undo(surface, history, state["steps"], done_labels, undone_labels, kept)
+        states = _unpack_states(surface, state)
+        restore_undo(surface, history, state["steps"], done_labels, undone_labels, states)
     except SessionError:
         raise
     except (KeyError, TypeError, AttributeError, ValueError, IndexError) as cause:
@@ -185,11 +185,11 @@ def _unpack_labels(words: Sequence[Any], strokes: Iterator[Stroke]) -> list[obje
     return [next(strokes) if word == _STROKE else word for word in words]
 
 
-def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
+def _unpack_states(surface: PaintedSurface, state: Mapping[str, Any]) -> list[PainterState]:
     """Unpack what the painter remembered, as `Document` restores it."""
     of = np.asarray(state["painter"])
     count, p = len(of), len(surface.pigments)
-    makers = _makers(surface, state)
+    makers = _painter_factories(surface, state)
     if of.dtype != np.int32 or (count and not 0 <= of.min() <= of.max() < len(makers)):
         raise SessionError(
             "painters are numbered as {of_dtype}; expected int32 below {n}",
@@ -231,7 +231,9 @@ def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept
     ]
 
 
-def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[..., Kept]]:
+def _painter_factories(
+    surface: PaintedSurface, state: Mapping[str, Any]
+) -> list[Callable[..., PainterState]]:
     """For each painter what makes what it remembers from loads and hairs."""
     if len(state["brushes"]) > _MOST_BRUSHES or len(state["painters"]) > 10 * _MOST_BRUSHES:
         raise SessionError(
@@ -239,20 +241,20 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
             n=len(state["brushes"]),
             most=_MOST_BRUSHES,
         )
-    brushes = [_brush(words, surface) for words in state["brushes"]]
+    brushes = [_unpack_brush(words, surface) for words in state["brushes"]]
     inks = {**load_palette(), WATER.name: WATER} | {ink.name: ink for ink in surface.pigments}
     tufts: dict[tuple[int, BristleSpec | None], HairTuft | None] = {}
     makers, n_hairs = [], 0
     for words in state["painters"]:
-        place, hairs = words["brush"], words["hairs"]
-        if type(place) is not int or not 0 <= place < len(brushes):
+        number, hairs = words["brush"], words["hairs"]
+        if type(number) is not int or not 0 <= number < len(brushes):
             raise SessionError(
                 "a painter has brush {place!r:.20}; expected a number below {n}",
-                place=place,
+                place=number,
                 n=len(brushes),
             )
         spec = None if hairs is None else BristleSpec(**hairs)
-        key = place, spec
+        key = number, spec
         if key not in tufts:
             n_hairs += 0 if spec is None else spec.n_hairs
             if n_hairs > _MOST_HAIRS:
@@ -261,28 +263,28 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
                     n_hairs=n_hairs,
                     most=_MOST_HAIRS,
                 )
-            tufts[key] = None if spec is None else HairTuft(brushes[place]["brush"], spec)
+            tufts[key] = None if spec is None else HairTuft(brushes[number]["brush"], spec)
         amount = DipAmount.of(words.get("amount", {}))
         about = {
-            **brushes[place],
+            **brushes[number],
             "amount": amount,
-            "tuft": amount.of_tuft(brushes[place]["tuft"]),
+            "tuft": amount.of_tuft(brushes[number]["tuft"]),
             "ink": inks[words["ink"]],
             "_dipped": saved_mixture(words["dipped"], surface),
             "hairs": tufts[key],
         }
-        makers.append(_maker(about))
+        makers.append(_painter_factory(about))
     return makers
 
 
-def _brush(words: Mapping[str, Any], surface: PaintedSurface) -> dict[str, Any]:
+def _unpack_brush(words: Mapping[str, Any], surface: PaintedSurface) -> dict[str, Any]:
     brush = brush_from_words(words)
     tuft = tuft_on(brush, surface.material)
     return {"brush": brush, "tuft": tuft, "curves": build_curves(brush.inputs)}
 
 
-def _maker(about: Mapping[str, Any]) -> Callable[..., Kept]:
-    def make(loaded: float, load: AnyArray, memory: AnyArray) -> Kept:
+def _painter_factory(about: Mapping[str, Any]) -> Callable[..., PainterState]:
+    def make(loaded: float, load: AnyArray, memory: AnyArray) -> PainterState:
         of_hairs, hairs = None, about["hairs"]
         if hairs is not None:
             memory = complete_memory(memory)

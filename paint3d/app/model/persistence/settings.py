@@ -293,7 +293,7 @@ def load_settings(folder: Path | None = None) -> tuple[Settings, Message | None]
         if usual is not None and os.access(_file(usual), os.R_OK):
             file = _file(usual)
     try:
-        return _parse(file.read_text("utf-8")), None
+        return _parse_settings(file.read_text("utf-8")), None
     except FileNotFoundError:
         return Settings(), None
     except (OSError, ValueError, RecursionError, Paint3DError) as cause:
@@ -320,7 +320,7 @@ def _set_aside(file: Path) -> str | None:
     return aside.name
 
 
-def _parse(text: str) -> Settings:
+def _parse_settings(text: str) -> Settings:
     found = json.loads(text, parse_constant=lambda name: math.nan)
     if not isinstance(found, dict):
         raise InputError("it holds a {kind}; expected settings by name", kind=type(found).__name__)

@@ -400,7 +400,7 @@ def _encode_mask(arguments: Mapping[str, Any], vocabulary: Vocabulary) -> JsonOb
         fields["regions"] = [
             {
                 **({"face": int(pick.face)} if vocabulary.exact
-                   else {"at": _middle_of(vocabulary.surface, pick.face)}),
+                   else {"at": _face_centre(vocabulary.surface, pick.face)}),
                 "up_to": pick.up_to,
                 "degrees": pick.degrees,
             }
@@ -409,7 +409,7 @@ def _encode_mask(arguments: Mapping[str, Any], vocabulary: Vocabulary) -> JsonOb
     return fields | ({"inverted": True} if mask.inverted else {})
 
 
-def _middle_of(surface: PaintedSurface, face: int) -> list[float]:
+def _face_centre(surface: PaintedSurface, face: int) -> list[float]:
     mesh = surface.paint_mesh
     if not 0 <= face < len(mesh.base_faces):
         raise RecordingError("face {face} is none of the object's", face=face)

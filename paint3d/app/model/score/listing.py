@@ -110,8 +110,8 @@ def _ink_text(ink: str | Mapping[str, float]) -> str:
 
 def _length_mm(part: Recording) -> float:
     """Length of the path along which the brush is pressed, in the object's frame."""
-    way = brush_poses(part).way
-    steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    path = brush_poses(part).way
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     if part.pressure is not None:
         down = part.pressure > 0.0
         steps = steps[down[1:] | down[:-1]]

@@ -231,13 +231,15 @@ def recorded(
                 recorder.refused(command.name, bound_arguments(), document.surface)
             raise
         if document.recorder is recorder:
-            _write(document, command, bound_arguments(), done)
+            _record_done(document, command, bound_arguments(), done)
         return done
 
     return wrapper
 
 
-def _write(document: _Recorded, command: Command, arguments: dict[str, Any], done: object) -> None:
+def _record_done(
+    document: _Recorded, command: Command, arguments: dict[str, Any], done: object
+) -> None:
     """Write down what was done; a score that cannot say it is a score no longer."""
     name = command.written_as or command.name
     if name == "begin_stroke":

@@ -59,7 +59,7 @@ class PlaybackStep:
     fraction: float
 
 
-def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[PlaybackStep]:
+def _make_steps(score: Score, surface: PaintedSurface, first: int) -> Iterator[PlaybackStep]:
     """Yield the steps from an event on; each is made when those before it are done.
 
     Raises
@@ -130,7 +130,7 @@ def play(document: Any, score: Score, first: int = 0) -> Iterator[PlaybackStep]:
         ``file:line: what is wrong`` where something cannot be done, except what was refused when it
         was asked for first.
     """
-    for step in _steps_of(score, document.surface, first):
+    for step in _make_steps(score, document.surface, first):
         try:
             if step.samples:
                 document.feed(step.samples)
