@@ -61,8 +61,8 @@ def colour_codes(
     """
     if values.dtype == np.uint8 or not values.size:
         return np.ascontiguousarray(values[:, :3], np.uint8), ()
-    shares, notes = colour_shares(values, expected, whose)
-    return None if shares is None else np.floor(BYTE * shares + 0.5).astype(np.uint8), notes
+    fractions, notes = colour_shares(values, expected, whose)
+    return None if fractions is None else np.floor(BYTE * fractions + 0.5).astype(np.uint8), notes
 
 
 def colour_shares(
@@ -117,8 +117,8 @@ def colour_shares(
         )
     good = values[known]
     opacities = every[known, 3:]
-    told = np.concatenate([good, np.where(np.isfinite(opacities), opacities, 0.0)], axis=1)
-    end = _end_of_range(told, is_integer, expected)
+    rgba = np.concatenate([good, np.where(np.isfinite(opacities), opacities, 0.0)], axis=1)
+    end = _find_range(rgba, is_integer, expected)
     outside = ((good < 0.0) | (good > end + ROUNDING)).any(axis=1)
     if 2 * outside.sum() > len(good):
         return None, (
@@ -149,8 +149,8 @@ def is_coloured(codes: NDArray[np.uint8] | None) -> bool:
     return codes is not None and bool((codes < BYTE).any())
 
 
-def _end_of_range(good: NDArray[np.float64], is_integer: bool, expected: int) -> int:
-    """Where the range of finite colours ends: at 1, 255, 65,535 or 2^32 - 1."""
+def _find_range(good: NDArray[np.float64], is_integer: bool, expected: int) -> int:
+    """End of the range of finite colours: 1, 255, 65,535 or 2^32 - 1."""
     highest = good.max()
     if not is_integer:
         are_codes = highest > 1.0 + ROUNDING
@@ -173,7 +173,7 @@ REPEAT = ("repeat", "repeat")
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What a material says of its colour: a factor times a picture.
+    """Colour of a material: a factor times a picture.
 
     Attributes
     ----------
@@ -205,8 +205,8 @@ class Look:
     def codes_at(self, uv: AnyArray) -> NDArray[np.uint8]:
         """Return the sRGB codes (N, 3) of the picture's nearest pixels to places (N, 2)."""
         height, width = self._coded.shape[:2]
-        columns = _nearest(uv[:, 0], width, self.wrap[0])
-        rows = _nearest(uv[:, 1], height, self.wrap[1])
+        columns = _nearest_pixel(uv[:, 0], width, self.wrap[0])
+        rows = _nearest_pixel(uv[:, 1], height, self.wrap[1])
         result: NDArray[np.uint8] = self._coded.reshape(-1, 3)[rows * width + columns]
         return result
 
@@ -264,8 +264,8 @@ def sample_picture(
     """
     table = linear_from_srgb(np.arange(256, dtype=np.uint8))
     uv = np.where(np.isfinite(uv), uv, 0.0)
-    columns, across = _pixels(uv[:, 0], picture.shape[1], wrap[0])
-    rows, down = _pixels(uv[:, 1], picture.shape[0], wrap[1])
+    columns, across = _pixel_pair(uv[:, 0], picture.shape[1], wrap[0])
+    rows, down = _pixel_pair(uv[:, 1], picture.shape[0], wrap[1])
     colour = np.zeros((len(uv), 3))
     for dx in (0, 1):
         for dy in (0, 1):
@@ -274,28 +274,28 @@ def sample_picture(
     return colour
 
 
-def _nearest(places: AnyArray, n: int, wrap: str) -> NDArray[np.int64]:
+def _nearest_pixel(positions: AnyArray, n: int, wrap: str) -> NDArray[np.int64]:
     """Return the pixels (N,) of n in which places lie."""
     if wrap == "mirror":
-        places = 1.0 - np.abs(places % 2.0 - 1.0)
-    pixel = np.floor(places * n).astype(np.int64)
+        positions = 1.0 - np.abs(positions % 2.0 - 1.0)
+    pixel = np.floor(positions * n).astype(np.int64)
     result: NDArray[np.int64] = pixel % n if wrap == "repeat" else np.clip(pixel, 0, n - 1)
     return result
 
 
-def _pixels(places: NDArray[np.float64], n: int, wrap: str) -> tuple[AnyArray, AnyArray]:
+def _pixel_pair(positions: NDArray[np.float64], n: int, wrap: str) -> tuple[AnyArray, AnyArray]:
     """Return the two pixels (2, N) of n between which places lie, and the share of the second."""
     if wrap == "mirror":
-        places = 1.0 - np.abs(places % 2.0 - 1.0)
+        positions = 1.0 - np.abs(positions % 2.0 - 1.0)
     elif wrap == "clamp":
-        places = np.clip(places, 0.0, 1.0)
+        positions = np.clip(positions, 0.0, 1.0)
     else:
-        places = places % 1.0
-    places = places * n - 0.5
-    low = np.floor(places).astype(np.int64)
+        positions = positions % 1.0
+    positions = positions * n - 0.5
+    low = np.floor(positions).astype(np.int64)
     pair = np.stack([low, low + 1])
     pair = pair % n if wrap == "repeat" else np.clip(pair, 0, n - 1)
-    return pair, places - low
+    return pair, positions - low
 
 
 def linear_from_srgb(codes: NDArray[np.uint8]) -> NDArray[np.float64]:

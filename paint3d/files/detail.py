@@ -137,7 +137,7 @@ class _Mesh:
         every: tuple[tuple[Any, AnyArray], ...]
         every = ((a, ab, c), ~third), ((a, ab, ca), third), ((ca, ab, c), third)
         every += ((ab, b, c), ~second), ((ab, b, bc), second), ((ab, bc, c), second)
-        parts += [_part(corners, chosen, rows) for corners, chosen in every]
+        parts += [_make_part(corners, chosen, rows) for corners, chosen in every]
         self.points = np.concatenate([self.points, new_points])
         origin = np.concatenate([p.rows for p in parts])
         self.faces = np.concatenate([p.faces for p in parts])
@@ -168,9 +168,11 @@ class _Part(NamedTuple):
     error: AnyArray
 
 
-def _part(corners: Sequence[tuple[AnyArray, AnyArray]], chosen: AnyArray, rows: AnyArray) -> _Part:
+def _make_part(
+    corners: Sequence[tuple[AnyArray, AnyArray]], chosen: AnyArray, rows: AnyArray
+) -> _Part:
     faces = np.stack([vertex[chosen] for vertex, _ in corners], axis=1)
-    uv = np.stack([place[chosen] for _, place in corners], axis=1)
+    uv = np.stack([position[chosen] for _, position in corners], axis=1)
     return _Part(faces, uv, rows[chosen], np.full(len(faces), np.nan))
 
 
@@ -224,12 +226,12 @@ def show_pictures(
     sizes = np.array([one.texels() for one in looks], np.float64)
     if sizes.any():
         if normals is None:
-            _smooth(mesh)
+            _smooth_normals(mesh)
         _refine(mesh, looks, sizes, n + most)
-    return _coloured(mesh, looks, sizes, normals is not None or bool(sizes.any()))
+    return _colour_vertices(mesh, looks, sizes, normals is not None or bool(sizes.any()))
 
 
-def _smooth(mesh: _Mesh) -> None:
+def _smooth_normals(mesh: _Mesh) -> None:
     """Give corners the normals of the mesh as it is, so that its flat parts stay as round.
 
     Faces that turn by less than 40 degrees share them.
@@ -299,14 +301,14 @@ def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, most: int) -> N
     for _ in range(_ROUNDS):
         pixels = mesh.pixel_lengths(sizes)
         fresh = np.flatnonzero(np.isnan(mesh.error))
-        mesh.error[fresh] = _misses(mesh, fresh, looks, pixels[fresh].max(axis=1))
+        mesh.error[fresh] = _measure_misses(mesh, fresh, looks, pixels[fresh].max(axis=1))
         lengths = mesh.lengths()
         longest = lengths.argmax(axis=1)
         span = lengths.max(axis=1)
         wanted = mesh.error > _SEEN
         wanted &= (span > 2.0 * finest) & (pixels.max(axis=1) > 2.0 * _PIXEL)
-        room = most - len(mesh.place)
-        if not wanted.any() or room < 16:
+        remaining = most - len(mesh.place)
+        if not wanted.any() or remaining < 16:
             return
         edges, n_edges = mesh.edges()
         rows = np.arange(len(edges))
@@ -314,7 +316,7 @@ def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, most: int) -> N
         worst = np.argsort(-(mesh.error[chosen] * span[chosen] ** 2), kind="stable")
         marked = np.zeros(n_edges, bool)
         # halving one face halves its neighbours too: about one new vertex for each that is chosen
-        marked[edges[rows, longest][chosen[worst[:room]]]] = True
+        marked[edges[rows, longest][chosen[worst[:remaining]]]] = True
         while True:
             more = marked[edges].any(axis=1) & ~marked[edges[rows, longest]]
             if not more.any():
@@ -323,7 +325,9 @@ def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, most: int) -> N
         mesh.halve(edges, marked, longest)
 
 
-def _misses(mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArray) -> AnyArray:
+def _measure_misses(
+    mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArray
+) -> AnyArray:
     """By how many codes the faces (N,) would miss their pictures, as far as looked; (N,) f32.
 
     Those that miss theirs at the first look are not looked at again.
@@ -331,7 +335,7 @@ def _misses(mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArra
     missed = np.zeros(len(faces), np.float32)
     for steps in (_GRIDS[:1], _GRIDS):
         open_ones = np.flatnonzero((missed <= _SEEN) & ((pixels > 1.0) | (steps is not _GRIDS)))
-        for some, weights, seen in _looked_at(
+        for some, weights, seen in _sample_faces(
             mesh, faces[open_ones], looks, pixels[open_ones], steps
         ):
             rows = open_ones[some]
@@ -350,7 +354,7 @@ def _corner_codes(mesh: _Mesh, faces: AnyArray, looks: Sequence[Look]) -> NDArra
     return srgb_from_linear(linear).reshape(-1, 3, 3).swapaxes(0, 1).astype(np.float32)
 
 
-def _looked_at(
+def _sample_faces(
     mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArray, grids: tuple[int, ...]
 ) -> Iterator[tuple[AnyArray, AnyArray, AnyArray]]:
     """Yield rows (N,), weights (K, 3) of the corners, and sRGB codes (K, N, 3) f32 seen there.
@@ -363,16 +367,16 @@ def _looked_at(
             continue
         for k, n in enumerate(grids):
             rows = np.flatnonzero((mesh.look[faces] == which) & (steps == k))
-            weights = _grid(n)
-            share = max(1, _AT_ONCE // len(weights))
-            for start in range(0, len(rows), share):
-                some = rows[start : start + share]
-                places = np.tensordot(weights, mesh.uv[faces[some]].swapaxes(0, 1), 1)
-                codes = one.codes_at(places.reshape(-1, 2)).reshape(len(weights), -1, 3)
+            weights = _grid_weights(n)
+            batch = max(1, _AT_ONCE // len(weights))
+            for start in range(0, len(rows), batch):
+                some = rows[start : start + batch]
+                positions = np.tensordot(weights, mesh.uv[faces[some]].swapaxes(0, 1), 1)
+                codes = one.codes_at(positions.reshape(-1, 2)).reshape(len(weights), -1, 3)
                 yield some, weights.astype(np.float32), codes.astype(np.float32)
 
 
-def _grid(n: int) -> NDArray[np.float64]:
+def _grid_weights(n: int) -> NDArray[np.float64]:
     """Barycentric weights (K, 3) of a grid of n steps, the corners first."""
     i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
     inside = i + j <= n
@@ -381,10 +385,12 @@ def _grid(n: int) -> NDArray[np.float64]:
     return np.concatenate([np.eye(3), weights[~corner]])
 
 
-def _coloured(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, with_normals: bool) -> Pictured:
+def _colour_vertices(
+    mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, with_normals: bool
+) -> Pictured:
     corners = _corner_colours(mesh, looks)
     linear = _means_where_coarse(mesh, looks, sizes, corners)
-    faces, source, seen = _vertices(mesh.faces, linear, len(mesh.place))
+    faces, source, seen = _split_seams(mesh.faces, linear, len(mesh.place))
     colours = srgb_from_linear(seen * mesh.own[source, :3])
     normals = mesh.own[source, 3:] if with_normals else None
     if normals is not None:
@@ -413,7 +419,7 @@ def _means_where_coarse(
     total, weight = np.zeros((len(mesh.place), 3)), np.zeros(len(mesh.place))
     pixels = pixels[coarse]
     table = linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32)
-    for rows, weights, seen in _looked_at(mesh, coarse, looks, pixels, _GRIDS[:3]):
+    for rows, weights, seen in _sample_faces(mesh, coarse, looks, pixels, _GRIDS[:3]):
         near = weights**2
         ids = mesh.faces[coarse[rows]]
         mean = np.tensordot((near / near.sum(axis=0)).T, table[seen.astype(np.uint8)], 1)
@@ -428,7 +434,7 @@ def _means_where_coarse(
     return colours
 
 
-def _vertices(faces: AnyArray, linear: AnyArray, n: int) -> tuple[AnyArray, AnyArray, AnyArray]:
+def _split_seams(faces: AnyArray, linear: AnyArray, n: int) -> tuple[AnyArray, AnyArray, AnyArray]:
     """Faces on vertices of one colour each, whose copies they are (K,), linear colours (K, 3).
 
     A vertex whose corners differ visibly becomes several; those that no face uses are white.

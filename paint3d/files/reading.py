@@ -77,7 +77,7 @@ SURPRISES = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeE
 
 
 class Wanted(NamedTuple):
-    """How to read a file; see `paint3d.files.load.load_mesh`."""
+    """Options of reading a file; see `paint3d.files.load.load_mesh`."""
 
     unit: str | None = None
     from_points: bool | None = None
@@ -127,7 +127,7 @@ class Reading:
 AS_IT_IS = Wanted()
 
 
-def take_object(found: object, wanted: Wanted = AS_IT_IS) -> Reading:
+def take_object(mesh: object, wanted: Wanted = AS_IT_IS) -> Reading:
     """Check a mesh of another package (`files.package_meshes`) as one that was read.
 
     Raises
@@ -135,18 +135,18 @@ def take_object(found: object, wanted: Wanted = AS_IT_IS) -> Reading:
     MeshError
         One line with the object's class, reason and what was expected.
     """
-    kind = package_class(found)
+    kind = package_class(mesh)
     name = kind or "this object"
     try:
         with np.errstate(all="ignore"):
-            return _finish(read_object(found, wanted.texture), "mesh", wanted)
+            return _make_reading(read_object(mesh, wanted.texture), "mesh", wanted)
     except MeshError as cause:
         raise (MeshError("{name}: {cause}", name=name, cause=cause) if kind else cause) from None
     except SURPRISES as cause:
         raise MeshError(
             "{name}: its structure is damaged: {cause}",
             name=name,
-            cause=_in_words(cause),
+            cause=_describe_damage(cause),
         ) from None
 
 
@@ -160,7 +160,7 @@ def read_surface_apart(
     """Read a mesh file in a child process with 2 GiB of memory and 20 s, with pictures 60 s.
 
     The seconds are of computing; waiting for a core costs none, and of standing still, as for a
-    slow disk, there may be `idle_seconds` besides. `progress` is told a share guessed from the
+    slow disk, there may be `idle_seconds` besides. `progress` is given a fraction guessed from the
     file's size; what it raises ends the child.
 
     Raises
@@ -209,7 +209,7 @@ def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
     """
     try:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
-            return _finish(read_raw(path, wanted.texture), path.name.split(".")[0], wanted)
+            return _make_reading(read_raw(path, wanted.texture), path.name.split(".")[0], wanted)
     except MeshError as cause:
         raise MeshError("{file}: {cause}", file=path, cause=cause) from None
     except MemoryError:
@@ -218,7 +218,7 @@ def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
         raise MeshError(
             "{file}: its structure is damaged: {cause}",
             file=path,
-            cause=_in_words(cause),
+            cause=_describe_damage(cause),
         ) from None
 
 
@@ -240,8 +240,8 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     return read(data, texture) if suffix in WANT_TEXTURE else read(data)
 
 
-def _in_words(cause: Exception) -> Message:
-    """What damaged structure made a reader stumble over, for people."""
+def _describe_damage(cause: Exception) -> Message:
+    """Describe for people what damaged structure made a reader stumble over."""
     if isinstance(cause, KeyError):
         return Message("it lacks {part}", part=_one_line(cause)[:60])
     if isinstance(cause, IndexError):
@@ -285,7 +285,7 @@ def _known_suffix(path: Path) -> str:
     raise MeshError("it has no suffix; expected one of {known}", known=known)
 
 
-def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
+def _make_reading(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
     _check_raw(raw)
     up = wanted.up or raw.up or "z"
     turn = turn_up(up)
@@ -304,7 +304,7 @@ def _checked_mesh(
     raw: RawMesh, vertices: NDArray[np.float64], name: str, wanted: Wanted
 ) -> Reading:
     if len(raw.sizes) == 0:
-        return _without_faces(raw, vertices, name, wanted.from_points)
+        return _make_from_points(raw, vertices, name, wanted.from_points)
     pictured = raw.look_of is not None and len(raw.looks) > 0
     corners = np.arange(len(raw.corners)) if pictured else raw.corners
     faces = triangulate(vertices[raw.corners] if pictured else vertices, corners, raw.sizes)
@@ -356,7 +356,7 @@ def _check_raw(raw: RawMesh) -> None:
         )
 
 
-def _without_faces(
+def _make_from_points(
     raw: RawMesh, vertices: NDArray[np.float64], name: str, from_points: bool | None
 ) -> Reading:
     if from_points is None and raw.announces:

@@ -87,7 +87,7 @@ def _any_is(wanted: str, top: str, names: Iterable[str]) -> bool:
     return any(path_beside(top, name) == wanted for name in names)
 
 
-def _tails(line: bytes) -> Iterator[str]:
+def _possible_names(line: bytes) -> Iterator[str]:
     """Whatever at the end of a line may be a file name, which options or others stand before."""
     words = line.strip().split()[:_MOST_WORDS]
     at = 0
@@ -98,27 +98,27 @@ def _tails(line: bytes) -> Iterator[str]:
         at += len(word)
 
 
-def _of_obj(data: bytes, folder: Path) -> Iterator[str]:
+def _names_in_obj(data: bytes, folder: Path) -> Iterator[str]:
     for line in _LIBRARIES.findall(plain_text(data)):
-        for name in _tails(line):
+        for name in _possible_names(line):
             yield name
             library = Path(path_beside(str(folder), name))
             if library.is_file():
-                for told in _MAPS.findall(plain_text(read_contents(library, MAX_LIBRARY))):
-                    yield from _tails(told)
+                for line_end in _MAPS.findall(plain_text(read_contents(library, MAX_LIBRARY))):
+                    yield from _possible_names(line_end)
 
 
-def _of_ply(data: bytes, _: Path) -> Iterator[str]:
+def _names_in_ply(data: bytes, _: Path) -> Iterator[str]:
     for name in _PLY_PICTURES.findall(plain_text(data[: max(0, data.find(_PLY_END))])):
         yield name.strip().decode("utf-8", "surrogateescape")
 
 
-def _of_collada(data: bytes, _: Path) -> Iterator[str]:
+def _names_in_collada(data: bytes, _: Path) -> Iterator[str]:
     for name in _COLLADA_FILES.findall(plain_text(data)):
         yield unescape(name.strip().decode("utf-8", "surrogateescape"))
 
 
-def _of_gltf(data: bytes, folder: Path) -> Iterator[str]:
+def _names_in_gltf(data: bytes, folder: Path) -> Iterator[str]:
     document = GltfFile(data, folder).document
     for kind in ("buffers", "images"):
         for entry in document.get(kind, ()):
@@ -126,5 +126,10 @@ def _of_gltf(data: bytes, folder: Path) -> Iterator[str]:
                 yield entry["uri"]
 
 
-_NAMED = {".obj": _of_obj, ".ply": _of_ply, ".gltf": _of_gltf, ".glb": _of_gltf}
-_NAMED[".dae"] = _of_collada
+_NAMED = {
+    ".obj": _names_in_obj,
+    ".ply": _names_in_ply,
+    ".gltf": _names_in_gltf,
+    ".glb": _names_in_gltf,
+}
+_NAMED[".dae"] = _names_in_collada

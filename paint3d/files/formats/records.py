@@ -77,7 +77,7 @@ class Records(NamedTuple):
 
 
 def standing_place(vertices: AnyArray) -> tuple[float, float, float]:
-    """Where an object stands, in mm: the middle of its box in x and y, its lowest point in z."""
+    """Position of an object, mm: middle of its box in x and y, its lowest point in z."""
     low, high = np.min(vertices, axis=0), np.max(vertices, axis=0)
     middle = (low + high) / 2.0
     # to the digits of the rows; 0 is added since -0 would be another text
@@ -205,17 +205,17 @@ def parse_records(data: bytes) -> Records:
         raise MeshError("line {first}: a coordinate is not a number", first=rows[0][0]) from None
     if len(rows) < 2:
         raise MeshError("it has no rows; expected one for each vertex")
-    table = _table(rows[1:])
-    normals = unpack_normals(table[:, 3]) if table.shape[1] == 7 else _unit(table[:, 3:6])
+    table = _parse_rows(rows[1:])
+    normals = unpack_normals(table[:, 3]) if table.shape[1] == 7 else _normalise(table[:, 3:6])
     with np.errstate(over="ignore", invalid="ignore"):
         vertices = table[:, :3] + start
     if not np.isfinite(vertices).all():
         raise MeshError("a position is not finite; expected numbers in mm")
     srgb = table[:, -3:].astype(np.uint8)
-    return Records(start, vertices, normals, srgb, _faces(comments, len(vertices)))
+    return Records(start, vertices, normals, srgb, _read_faces(comments, len(vertices)))
 
 
-def _faces(comments: list[tuple[int, str]], n_vertices: int) -> NDArray[np.int64] | None:
+def _read_faces(comments: list[tuple[int, str]], n_vertices: int) -> NDArray[np.int64] | None:
     """Return the triangles among a file's comments, from the line that announces them on."""
     announced = [n for n, (_, line) in enumerate(comments) if line.startswith(FACES)]
     if not announced:
@@ -235,7 +235,7 @@ def _faces(comments: list[tuple[int, str]], n_vertices: int) -> NDArray[np.int64
     return np.array(faces, np.int64).reshape(-1, 3)
 
 
-def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _normalise(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     with np.errstate(over="ignore"):
         length = np.linalg.norm(normals, axis=1, keepdims=True)
     if not ((length > 0.0) & (length < np.inf)).all():
@@ -244,7 +244,7 @@ def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def _table(rows: list[tuple[int, str]]) -> NDArray[np.float64]:
+def _parse_rows(rows: list[tuple[int, str]]) -> NDArray[np.float64]:
     """Return all rows' numbers, (V, 7) or (V, 9)."""
     width = rows[0][1].count(",") + 1
     for k, line in rows:

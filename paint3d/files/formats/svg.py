@@ -63,5 +63,5 @@ def _ring(points: AnyArray) -> str:
 
 
 def _escaped(text: str) -> str:
-    kept = "".join(c if c.isprintable() else " " for c in text)
-    return kept.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+    printable = "".join(c if c.isprintable() else " " for c in text)
+    return printable.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

@@ -88,7 +88,7 @@ class Summary:
 
     @classmethod
     def of(cls, values: Sequence[float]) -> Summary:
-        """Of some values."""
+        """Summarise some values."""
         n = len(values)
         mean = float(np.mean(values)) if n else math.nan
         return cls(n, mean, float(np.std(values, ddof=1)) if n > 1 else math.nan)
