@@ -31,7 +31,7 @@ _RIM = 4  # pixels around all
 _THICK = 2.0  # pixels: half of what a patch measures across at the least, to be seen
 _OVERLAP = 10  # pixels that a dab goes on over what is painted
 _ROUNDS = 3  # what is left of a patch by a dab along it is a patch again
-_WORTH = 0.2  # share of a patch that a dab has to cover
+_WORTH = 0.2  # fraction of a patch that a dab has to cover
 _MOST = 400  # dabs
 _STATIONS = 9
 _LOAD = 0.12  # of the em square: the area that a load fills evenly
@@ -95,9 +95,9 @@ def loads_of(
     loads: list[list[StrokePath]] = []
     filled = math.inf
     for path in paths:
-        way = np.linalg.norm(np.diff(path.centre, axis=0), axis=1)
+        lengths = np.linalg.norm(np.diff(path.centre, axis=0), axis=1)
         width = footprints.width_at(0.5 * (path.level[1:] + path.level[:-1]))
-        own = float(way @ width) / em_mm**2
+        own = float(lengths @ width) / em_mm**2
         if filled + own > _LOAD:
             loads.append([])
             filled = 0.0
@@ -149,8 +149,8 @@ def _patches(
         )
         patch = np.zeros_like(wanted)
         patch[box] = labels[box] == number
-        room = wanted[box] & binary_dilation(patch[box], iterations=_OVERLAP)
-        distance = distance_transform_edt(room) - distance_transform_edt(~room)
+        free = wanted[box] & binary_dilation(patch[box], iterations=_OVERLAP)
+        distance = distance_transform_edt(free) - distance_transform_edt(~free)
         corner = grid[:2] + grid[2] * np.array([box[1].start, box[0].start])
         yield patch, OutlineField(grid[2] * distance, np.array([*corner, grid[2]]))
 
@@ -171,12 +171,12 @@ def _dab(
 
 
 def _line_of(field: OutlineField, step: float) -> CentreLine:
-    """The line through the middles of a patch's sections across its longest way."""
+    """The line through the middles of a patch's sections across its principal axis."""
     rows, columns = np.nonzero(field.inside)
     points = field.grid[:2] + field.grid[2] * np.stack([columns, rows], axis=1)
     middle = points.mean(axis=0)
-    way = np.linalg.eigh(np.cov((points - middle).T))[1][:, -1]
-    along = (points - middle) @ way
+    direction = np.linalg.eigh(np.cov((points - middle).T))[1][:, -1]
+    along = (points - middle) @ direction
     ends = np.linspace(along.min(), along.max(), _STATIONS + 1)
     station = np.clip(np.searchsorted(ends, along, "right") - 1, 0, _STATIONS - 1)
     middles = [points[station == k].mean(axis=0) for k in range(_STATIONS) if (station == k).any()]

@@ -33,7 +33,7 @@ _FRONT = 0.5
 
 @dataclass(frozen=True)
 class FreeArc:
-    """Where the middles of squares may stand, mm to the right of where the line begins.
+    """An interval for the middles of squares, mm to the right of where the line begins.
 
     Attributes
     ----------
@@ -52,12 +52,12 @@ class FreeArc:
         return self.end - self.start
 
     def centred_on(self, middle: float) -> FreeArc:
-        """The part of it that has a place in its middle; of no length where that is not on it."""
+        """The part of it that is centred on `middle`; of no length where that is not on it."""
         half = max(min(middle - self.start, self.end - middle), 0.0)
         return FreeArc(middle - half, middle + half, self.obstacle)
 
     def middle_for(self, width: float, near: float | None = None) -> float:
-        """Where the middle of something so wide (mm) stands: as near to a place as it can."""
+        """The middle of something so wide (mm), as close to `near` as it fits."""
         if near is None or width >= self.length:
             return 0.5 * (self.start + self.end)
         return min(max(near, self.start + 0.5 * width), self.end - 0.5 * width)
@@ -135,7 +135,7 @@ class Ring:
 
     @property
     def n_turns(self) -> float:
-        """How far it goes round the axis of the body."""
+        """The turns it makes round the axis of the body."""
         step = float(np.ptp(self.turns[:2])) if self.closed else 0.0
         return float(np.ptp(self.turns)) + step
 
@@ -193,7 +193,7 @@ class Ring:
 
         So many mm above the line, and half an em above and below that.
         """
-        found = np.zeros(len(self.stations), bool)
+        is_crowded = np.zeros(len(self.stations), bool)
         normals = self.surface.find(self.points).normals
         slope = self._up - (normals @ self._up)[:, None] * normals
         slope /= np.maximum(np.linalg.norm(slope, axis=1), 1e-9)[:, None]
@@ -201,8 +201,8 @@ class Ring:
             foot = self.surface.find(self.points + (height + off) * slope)
             tip = foot.points + room_mm * foot.normals
             away = np.linalg.norm(self.surface.find(tip).points - tip, axis=1)
-            found |= away < _CLEAR * room_mm
-        return found
+            is_crowded |= away < _CLEAR * room_mm
+        return is_crowded
 
     def _arcs(
         self, crowded: NDArray[np.bool_], is_free: Callable[[AnyArray], bool]
@@ -245,22 +245,19 @@ class Ring:
             off = abs((self.turn_at(0.5 * (arc.start + arc.end)) - _FRONT + 0.5) % 1.0 - 0.5)
             return arc.length < longest - _EVEN * self.length, off
 
-        found = []
+        arcs = []
+        low, high = self.surface.mesh.bounds[:, 2]
+        height = float((self.points[:, 2].mean() - low) / (high - low))  # V of all obstacles
         for start, end, last, following in zip(starts, ends, before, after, strict=True):
             turn = self.length * round(0.5 * (start + end) / self.length) if self.closed else 0.0
             beside = (last + start, end + following)  # twice the middles of what is in the way
             nearer = beside[abs(end - turn) < abs(start - turn)]
-            found.append(FreeArc(start - turn, end - turn, self._place_at(0.5 * nearer)))
-        return sorted(found, key=rank)
+            arcs.append(FreeArc(start - turn, end - turn, (self.turn_at(0.5 * nearer), height)))
+        return sorted(arcs, key=rank)
 
     def turn_at(self, distance: float) -> float:
-        """The U of a place on it."""
+        """The U of a position on it."""
         return float(turns_of(self.surface.mesh, self.at(distance)[None])[0])
-
-    def _place_at(self, distance: float) -> tuple[float, float]:
-        low, high = self.surface.mesh.bounds[:, 2]
-        height = float((self.points[:, 2].mean() - low) / (high - low))
-        return self.turn_at(distance), height
 
 
 def in_the_way_error(fault: Fault, obstacle: tuple[float, float]) -> Fault:

@@ -120,8 +120,8 @@ def _scatter_frames(surface: ClosestPoints) -> Iterator[SurfaceFrame]:
     corners = mesh.vertices[mesh.faces].astype(np.float64)
     sides = corners[:, 1:] - corners[:, :1]
     passed = np.cumsum(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1))
-    share = (np.arange(_SCATTERED) + 0.5) / _SCATTERED
-    faces = np.searchsorted(passed, share * passed[-1])
+    fraction = (np.arange(_SCATTERED) + 0.5) / _SCATTERED
+    faces = np.searchsorted(passed, fraction * passed[-1])
     first, second = np.modf(np.outer(np.arange(1, _SCATTERED + 1), _GOLDEN))[0].T
     folded = first + second > 1.0  # the other half of the parallelogram
     weights = np.stack([first, second], axis=1)
@@ -138,14 +138,14 @@ LAYOUTS = ("columns", "row")
 LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 """Range of sizes of text, mm."""
 
-_TOUCHING = 0.004  # of the em: squares that share this much do not overlap
+_TOUCHING = 0.004  # of the em: squares that fraction this much do not overlap
 _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
 _FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text
 _MIDDLE = (0.5, 0.5)
 _WITHIN = 1e-6  # of a panel: how far from its rim a place between panels goes
 _MOST_GRIDS = 8  # places without enough room after which the search is given up
-_SMALLER_SHARES = (0.85, 0.7, 0.55, 0.4)  # of the em, tried in turn for what may be proposed
+_SMALLER_FRACTIONS = (0.85, 0.7, 0.55, 0.4)  # of the em, tried in turn for what may be proposed
 _TURNS_ASIDE = (0.0625, -0.0625, 0.125, -0.125, 0.1875, -0.1875, 0.25, -0.25, 0.375, -0.375, 0.5)
 _MOST_SPREAD = 1.5  # of the distance of columns: how far a text is spread along a free arc
 _DENSER = 4.0  # times as many characters as areas say may fit at a smaller size: two lines for one
@@ -239,10 +239,10 @@ class WritingArea:
             See `place`.
         """
         if layout.point is None:
-            found = place(self.surface, layout.at or _MIDDLE, side=layout.side)
-            origin, normal = found.origin, found.normal
+            frame = place(self.surface, layout.at or _MIDDLE, side=layout.side)
+            origin, normal = frame.origin, frame.normal
             if self.apex is None and not layout.turn:
-                return found
+                return frame
         else:
             closest = self.surface.find(as_array(layout.point, "point", (3,))[None])
             origin, normal = closest.points[0], closest.normals[0]
@@ -454,7 +454,7 @@ def _search_places(
         if squares is not None:
             return squares
         n_tried += 1
-        if roomiest is None or grid.room > roomiest.room:
+        if roomiest is None or grid.usable_area > roomiest.usable_area:
             roomiest = grid
         if n_tried == _MOST_GRIDS:
             break
@@ -489,13 +489,13 @@ def with_suggestion(
         except InputError:
             return False
 
-    sizes = [float(f"{em_mm * share:.2g}") for share in _SMALLER_SHARES]
+    sizes = [float(f"{em_mm * fraction:.2g}") for fraction in _SMALLER_FRACTIONS]
     smaller = next((size for size in sizes if does_fit(size, layout)), None)
-    places = []
+    positions = []
     if layout.at is not None:
         u, v = layout.at
-        places = [(round((u + turn) % 1.0, 3), v) for turn in _TURNS_ASIDE]
-    other = next((at for at in places if does_fit(em_mm, replace(layout, at=at))), None)
+        positions = [(round((u + turn) % 1.0, 3), v) for turn in _TURNS_ASIDE]
+    other = next((at for at in positions if does_fit(em_mm, replace(layout, at=at))), None)
     if smaller is None and other is None:
         return fault
     if other is None:
@@ -517,8 +517,8 @@ def with_suggestion(
 
 def with_place(fault: InputError, u: float, v: float) -> InputError:
     """A fault with a place at which a text of this size fits."""
-    told = Message("{cause}; this size would fit at {u:g},{v:g}", cause=fault.message, u=u, v=v)
-    return type(fault)(told, hint=fault.hint)
+    message = Message("{cause}; this size would fit at {u:g},{v:g}", cause=fault.message, u=u, v=v)
+    return type(fault)(message, hint=fault.hint)
 
 
 def _too_long_error(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
@@ -562,18 +562,18 @@ def start_around(
     first: SurfaceFrame | None = None
     for u in _TURNS:
         try:
-            found = area.middle(replace(layout, at=(u, height)))
+            frame = area.middle(replace(layout, at=(u, height)))
         except MeshError:
             continue
-        first = first or found
-        up = area.upright(found.normal, layout)
+        first = first or frame
+        up = area.upright(frame.normal, layout)
         right, left = (
-            walk(area.surface, found, up, (sign, 0.0), None, walking_step(em_mm))
+            walk(area.surface, frame, up, (sign, 0.0), None, walking_step(em_mm))
             for sign in (1.0, -1.0)
         )
         with suppress(MeshError):
             if Ring(area.surface, right, left, up.up, em_mm).goes_round:
-                return found
+                return frame
     return first or area.middle(layout)
 
 
@@ -680,7 +680,7 @@ class _Grid(TextPlace):
         return self._reach(self._start, -1.0), self._reach(self._start, 1.0)
 
     def find_arc(self, block: float) -> FreeArc | None:
-        """Where the columns of a block so many mm high may stand; None: all round a body."""
+        """The free arc for the columns of a block so many mm high; None: all round a body."""
         if self.ring is None:
             return None
         top = self._top(block)
@@ -688,26 +688,26 @@ class _Grid(TextPlace):
 
     def in_the_way_error(self, fault: InputError, arc: FreeArc, lines: Sequence[str]) -> InputError:
         """A fault with what is in the way, and with a place that would do where one was asked."""
-        found = in_the_way_error(fault, arc.obstacle)
+        error = in_the_way_error(fault, arc.obstacle)
         if self.ring is None or self.layout.at is None:
-            return found
+            return error
         free = self.ring.find_arc(
             self.for_brush.room_mm, (0.0,), partial(self.is_free, heights=(0.0,))
         )
         if free is None:
-            return found
+            return error
         u = round(self.ring.turn_at(free.middle_for(0.0)), 2)
         layout = replace(self.layout, at=(u, self.layout.at[1]))
         try:
             start = self.area.middle(layout)
             if _Grid(self.area, self.em_mm, layout, self.limits, start).fit(lines) is None:
-                return found
+                return error
         except InputError:
-            return found
-        return with_place(found, u, self.layout.at[1])
+            return error
+        return with_place(error, u, self.layout.at[1])
 
     @property
-    def room(self) -> float:
+    def usable_area(self) -> float:
         """Area of the surface that the grid may use, mm2."""
         around = 1.0 if self.right.closed else 2.0
         return around * self.right.length * (self.span[1] - self.span[0] + self.em_mm)
@@ -776,7 +776,7 @@ class _Grid(TextPlace):
         few, many = 0, sum(map(len, lines))
         while many - few > 1:
             n = (few + many) // 2
-            if self.fit(_cut(lines, n)) is None:
+            if self.fit(_first_characters(lines, n)) is None:
                 many = n
             else:
                 few = n
@@ -936,15 +936,15 @@ class _Grid(TextPlace):
             for key in ((right, down), (right, down + 1), (right, down - 1), (across, down + 1)):
                 other = at.get(key)
                 if other is not None and other is not square:
-                    way = int(key[0] == across)
-                    worst[way] = max(worst[way], square.overlap(other), other.overlap(square))
+                    axis = int(key[0] == across)
+                    worst[axis] = max(worst[axis], square.overlap(other), other.overlap(square))
         return np.where(worst > _TOUCHING * self.em_mm, worst, 0.0)
 
 
-def _cut(lines: Sequence[str], n: int) -> list[str]:
+def _first_characters(lines: Sequence[str], n: int) -> list[str]:
     """The first n characters of the lines."""
-    kept = []
+    cut = []
     for line in lines:
-        kept.append(line[:n])
-        n -= len(kept[-1])
-    return [line for line in kept if line]
+        cut.append(line[:n])
+        n -= len(cut[-1])
+    return [line for line in cut if line]

@@ -83,7 +83,7 @@ def corners_in(
 ) -> list[Corner]:
     """The bare patches (H, W) that are worth a detour, the largest first.
 
-    A patch counts where a disc of the share `finest` of the stroke's width would fit in.
+    A patch counts where a disc of the fraction `finest` of the stroke's width would fit in.
     """
     step = float(field.grid[2])
     disc = finest * line.width / step
@@ -104,7 +104,7 @@ def corners_in(
 
 
 def detours_to(
-    corner: Corner, line: CentreLine, field: OutlineField, held: bool
+    corner: Corner, line: CentreLine, field: OutlineField, is_held: bool
 ) -> Iterator[CentreLine]:
     """The line with its detours to a corner: visits, and a bend where it goes on beyond.
 
@@ -113,7 +113,7 @@ def detours_to(
 
     Where the bend of the tuft is `held` against the motion nothing turns back: a bend only.
     """
-    if not held:
+    if not is_held:
         yield visiting(line, corner, field)
         k, tip = _find_departure(line, corner, field)
         ahead = (corner.points - line.points[k]) @ (corner.middle - line.points[k])
@@ -121,7 +121,7 @@ def detours_to(
         if np.linalg.norm(other - tip) > _OTHER_TIP * line.width:
             yield _visit_point(other, k, line, field)
     nearest = int(np.argmin(np.linalg.norm(line.points - corner.middle, axis=1)))
-    if held or min(nearest, len(line.points) - 1 - nearest) * line.step > _NEAR_END * line.width:
+    if is_held or min(nearest, len(line.points) - 1 - nearest) * line.step > _NEAR_END * line.width:
         yield _bend_to(line, corner, nearest, field)
 
 
@@ -302,7 +302,7 @@ def _lead_into_corners(best: FittedLine, fitter: PathFitter) -> FittedLine:
     A detour at one end may change the path at the other: two that fail alone may do together.
     """
     settings, field = fitter.settings, fitter.field
-    held = settings.technique is not None
+    is_held = settings.technique is not None
     finest = _FINEST_DRAGGED if settings.azimuth == "dragged" else _FINEST
     tried = np.zeros_like(best.bare)
     for _ in range(settings.detours):
@@ -310,8 +310,8 @@ def _lead_into_corners(best: FittedLine, fitter: PathFitter) -> FittedLine:
         if not corners:
             break
         tried[corners[0].at] = True
-        best = _best_detour(best, detours_to(corners[0], best.line, field, held), fitter)
-    left = corners_in(best.bare, best.line, field, finest) if tried.any() and not held else []
+        best = _best_detour(best, detours_to(corners[0], best.line, field, is_held), fitter)
+    left = corners_in(best.bare, best.line, field, finest) if tried.any() and not is_held else []
     if len(left) > 1:
         line = best.line
         for corner in left:
@@ -323,9 +323,9 @@ def _lead_into_corners(best: FittedLine, fitter: PathFitter) -> FittedLine:
 def _best_detour(best: FittedLine, lines: Iterable[CentreLine], fitter: PathFitter) -> FittedLine:
     """The best of some detours, or none where none is worth it."""
     least = float(best.bare.sum()) * (1.0 - fitter.settings.worth)
-    found = best
+    chosen = best
     for line in lines:
         one = fitter.follow(line, best)
         if one.bare.sum() < least:
-            found, least = one, float(one.bare.sum())
-    return found
+            chosen, least = one, float(one.bare.sum())
+    return chosen

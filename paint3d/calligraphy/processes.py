@@ -32,12 +32,6 @@ class _Worker(NamedTuple):
     connection: Connection[Any, Any]
 
 
-def _await_answers(workers: Sequence[_Worker]) -> list[_Worker]:
-    """Those who have an answer, after waiting for one."""
-    ready = wait([worker.connection for worker in workers])
-    return [worker for worker in workers if worker.connection in ready]
-
-
 def in_processes(
     work: Callable[[_Given], _Found],
     items: Sequence[_Given],
@@ -56,20 +50,21 @@ def in_processes(
         If a process dies, or finds what cannot be sent. What `work` raises is raised here.
     """
     workers = list[_Worker]()
-    left, found = iter(enumerate(items)), dict[int, _Found]()
+    left, results = iter(enumerate(items)), dict[int, _Found]()
     try:
         _start(workers, work, n, is_patient=is_patient)
         busy = [w for w in workers if _send_next(w, left)]
         for k in range(len(items)):
-            while k not in found:
-                for worker in _await_answers(busy):
+            while k not in results:
+                ready = wait([worker.connection for worker in busy])
+                for worker in [one for one in busy if one.connection in ready]:
                     number, result, fault = _receive_answer(worker)
                     if fault is not None:
                         raise fault
-                    found[number] = cast("_Found", result)
+                    results[number] = cast("_Found", result)
                     if not _send_next(worker, left):
                         busy.remove(worker)
-            yield found.pop(k)
+            yield results.pop(k)
     finally:
         for worker in workers:
             worker.process.kill()  # it has nothing to end, and may hold back what asks it to
@@ -144,9 +139,9 @@ def _pack_answer(answer: _Answer) -> memoryview | bytes:
         if fault is not None:
             ForkingPickler.loads(packed)  # some errors can be sent, but not be made again
     except Exception as cause:
-        told = f"{type(cause).__name__}: {cause}"
+        reason = f"{type(cause).__name__}: {cause}"
         if fault is not None:
-            told = f"{type(fault).__name__}: {fault} ({told})"
-        unsent = Paint3DError("the result of a process could not be sent back: {told}", told=told)
+            reason = f"{type(fault).__name__}: {fault} ({reason})"
+        unsent = Paint3DError("the result of a process could not be sent back: {told}", told=reason)
         packed = ForkingPickler.dumps((number, None, unsent))
     return packed

@@ -284,7 +284,7 @@ def _nearest_pixel(positions: AnyArray, n: int, wrap: str) -> NDArray[np.int64]:
 
 
 def _pixel_pair(positions: NDArray[np.float64], n: int, wrap: str) -> tuple[AnyArray, AnyArray]:
-    """Return the two pixels (2, N) of n between which places lie, and the share of the second."""
+    """Return the two pixels (2, N) of n between which places lie, and the weight of the second."""
     if wrap == "mirror":
         positions = 1.0 - np.abs(positions % 2.0 - 1.0)
     elif wrap == "clamp":

@@ -252,7 +252,7 @@ def _find_colours(data: Any) -> AnyArray | None:
 
 
 def _codes(colours: Any) -> NDArray[np.uint8]:
-    """Codes (N, 3) of uint8 colours with or without a share that is seen through."""
+    """Codes (N, 3) of uint8 colours with or without an opacity."""
     return np.ascontiguousarray(np.asarray(colours)[:, :3], np.uint8)
 
 

@@ -505,7 +505,7 @@ class Document:
 
     @property
     def pickup(self) -> float:
-        """Share of the wet ink under the brush that it takes up per mm of way at full pressure."""
+        """Fraction of the wet ink under the brush that it takes up per mm at full pressure."""
         return float(self.surface.ink.transfer["pickup"].item())
 
     @recorded
@@ -531,7 +531,7 @@ class Document:
 
     @recorded
     def wipe(self, share: float = 0.5) -> None:
-        """Wipe a share of the ink off the brush, 0 to 1."""
+        """Wipe a fraction of the ink off the brush, 0 to 1."""
         self.painter.wipe(share)
 
     @recorded
@@ -831,12 +831,12 @@ class Document:
     def blot(self, share: float = _BLOT_FRACTION) -> None:
         """Lay blotting paper on what is wet, and take it up: a step that can be undone.
 
-        It lifts the water and a share of the ink, 0 to 1, where the mask allows; the rest dries.
+        It lifts the water and a fraction of the ink, 0 to 1, where the mask allows; the rest dries.
 
         Raises
         ------
         InputError
-            If a stroke is going on, the layer is locked or hidden, or it is no such share.
+            If a stroke is going on, the layer is locked or hidden, or it is no such fraction.
         """
         self._refuse_in_stroke(Message("blotting"))
         share = as_number(share, "share", 0.0, 1.0)
@@ -990,8 +990,8 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, it is no such share, or a stroke
-            is going on.
+            If there is no layer at that place, it is in no group, the opacity is out of range, or
+            a stroke is going on.
         """
         self._restack(
             "set_group_opacity", lambda stack: stack.set_group_properties(place, opacity=opacity)
@@ -1084,7 +1084,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, it is no such share, or a stroke is going on.
+            If there is none at that place, the opacity is out of range, or a stroke is going on.
         """
         self._restack("set_opacity", lambda stack: stack.set_properties(place, opacity=opacity))
 

@@ -62,7 +62,7 @@ class HeldInk:
     Attributes
     ----------
     parts : tuple of (Pigment, float)
-        Shares of what it holds, of sum 1, the most first; empty for an empty brush.
+        Fractions of what it holds, of sum 1, the most first; empty for an empty brush.
     fraction : float
         Of a full load, 0 to 1.
     bands : tuple of (int, int, int)
@@ -101,7 +101,7 @@ def ink_srgb(
     ----------
     pigments : tuple of Pigment (P)
     parts : tuple of float (P)
-        Shares of sum 1; all 0 for none.
+        Fractions of sum 1; all 0 for none.
     on_hair : bool
     """
     inked: dict[str | Pigment, float]
@@ -132,7 +132,7 @@ class BrushView:
     srgb : (3,) uint8
         Colour of the ink in it; of dry hair where it is empty.
     load : float
-        Share of a full load, 0 to 1.
+        Fraction of a full load, 0 to 1.
     painting : bool
         Whether a stroke is going on.
     """

@@ -94,7 +94,7 @@ class SealPress:
                 left,
                 vertex_ids=left.vertex_ids[free],
                 coats=left.coats[free],
-                share=left.share[free],
+                coverage=left.coverage[free],
             )
         parts = _paste_parts(surface, ink)
         self._undo.begin(COMMANDS["press_seal"].undo_label)

@@ -63,7 +63,7 @@ class Stroke:
     tags : dict
         What else is known, as JSON holds it: character, participant, device set ...
     loads : tuple of (int, float)
-        How much the brush came to hold at samples, shares of a dip, where that was given.
+        How much the brush came to hold at samples, fractions of a dip, where that was given.
     strengths : tuple of (int, float)
         What fraction of the ink it was then, the rest being water, where that was given.
     """
@@ -240,7 +240,7 @@ class StrokeLog:
 def checked_pairs(
     name: str, changes: Sequence[tuple[int, float]], least: float = 0.0
 ) -> tuple[tuple[int, float], ...]:
-    """Pairs of a stroke's samples and shares, shares from `least` to 1.
+    """Pairs of a stroke's samples and fractions, the fractions from `least` to 1.
 
     Raises
     ------

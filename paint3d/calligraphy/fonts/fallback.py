@@ -194,8 +194,8 @@ def with_fallback(source: GlyphSource, text: str, *, marks: bool = False) -> Gly
             names=names_of(missing),
             cause=cause,
         ) from None
-    found = _fonts_for([one for one in missing if marks or is_square_letter(one)])
-    lacking = [one for one in missing if one not in found]
+    fonts = _fonts_for([one for one in missing if marks or is_square_letter(one)])
+    lacking = [one for one in missing if one not in fonts]
     if lacking and (whole := _best_font(text)) is not None:
         raise GlyphError(
             "{font} has no glyph for {names}, which fonts have, but set in lines, not in squares: "
@@ -217,9 +217,9 @@ def with_fallback(source: GlyphSource, text: str, *, marks: bool = False) -> Gly
         )
     fitted = {
         font: _fit_by_common(source, font)  # type: ignore[arg-type]  # sources are frozen
-        for font in dict.fromkeys(found.values())
+        for font in dict.fromkeys(fonts.values())
     }
-    result = FallbackGlyphs(source, {one: fitted[font] for one, font in found.items()})
+    result = FallbackGlyphs(source, {one: fitted[font] for one, font in fonts.items()})
     taken = "; ".join(f"{text} is taken from {font}" for font, text in result.characters.items())
     _LOG.warning("%s lacks characters: %s", source.name, taken)
     return result
@@ -271,13 +271,13 @@ def set_whole(
     font = _best_font(text)
     if font is None:
         return None
-    found = set_text(text, open_font(font.path, font.number), Style(), source, order)
+    whole = set_text(text, open_font(font.path, font.number), Style(), source, order)
     _LOG.warning("%.40s is written in the font %s", " ".join(text.split()), font.family)
-    return found
+    return whole
 
 
 def _fonts_for(characters: Sequence[str]) -> dict[str, SystemFont]:
-    """One font for all characters, or one for each that any font has."""
+    """Choose a font for all characters, or one for each that any font has."""
     if not characters:
         return {}
     whole = _best_font("".join(characters))

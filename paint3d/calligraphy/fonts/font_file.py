@@ -96,9 +96,12 @@ def match_font(name: str, number: int = 0) -> tuple[Path, int]:
     InputError
         If there is none; the message names some that there are.
     """
-    for font in _parse_all(name):
+    matches = _ask_fonts("fc-match", name)
+    exact = [font for font in list_fonts() if f"{font.family} {font.style}" == name]
+    wanted = name.split(":")[0].split("-")[0].strip()  # the family of a pattern: DejaVu Sans:bold
+    for font in exact or matches:
         names = {font.family.casefold(), f"{font.family} {font.style}".casefold()}
-        if _family_of(name).casefold() in names or name.casefold() in names:
+        if wanted.casefold() in names or name.casefold() in names:
             return font.path, number or font.number
     families = list(dict.fromkeys(font.family for font in list_fonts()))
     near = [family for family in families if name.split()[0].casefold() in family.casefold()]
@@ -112,17 +115,6 @@ def match_font(name: str, number: int = 0) -> tuple[Path, int]:
         names=", ".join((near or families)[:6]),
         hint="paint3d fonts lists all",
     )
-
-
-def _parse_all(name: str) -> list[SystemFont]:
-    found = _ask_fonts("fc-match", name)
-    whole = [font for font in list_fonts() if f"{font.family} {font.style}" == name]
-    return whole or found
-
-
-def _family_of(pattern: str) -> str:
-    """The family of a fontconfig pattern such as ``DejaVu Sans:bold``."""
-    return pattern.split(":")[0].split("-")[0].strip()
 
 
 def _ask_fonts(command: str, pattern: str) -> list[SystemFont]:
@@ -208,8 +200,8 @@ class FontFile:
     @cached_property
     def extents(self) -> tuple[float, float, float]:
         """Ascender, descender (negative) and gap between lines, glyph units."""
-        found = self.font.get_font_extents("ltr")
-        values = (found.ascender, found.descender, found.line_gap)
+        extents = self.font.get_font_extents("ltr")
+        values = (extents.ascender, extents.descender, extents.line_gap)
         ascender, descender, gap = (self.scale * float(value) for value in values)
         return ascender, descender, gap
 
@@ -354,7 +346,9 @@ def open_font(
         path, number = match_font(str(name), number)
     hb = import_optional("uharfbuzz")
     face = hb.Face(hb.Blob(_font_data(path)), number)
-    n_faces = max(1, _n_faces(path))
+    with path.open("rb") as file:
+        head = file.read(12)
+    n_faces = max(1, int.from_bytes(head[8:12], "big")) if head[:4] == b"ttcf" else 1
     if not 0 <= number < n_faces:
         raise InputError(
             "{file}: no face {number}; expected one of the {n_faces} that it has",
@@ -425,12 +419,6 @@ def _unpack_web_font(path: Path, data: bytes) -> bytes:
             cause=cause,
         ) from None
     return out.getvalue()
-
-
-def _n_faces(path: Path) -> int:
-    with path.open("rb") as file:
-        head = file.read(12)
-    return int.from_bytes(head[8:12], "big") if head[:4] == b"ttcf" else 1
 
 
 def _check_is_drawn(path: Path, face: Any) -> None:

@@ -244,15 +244,15 @@ def _is_wide(character: str) -> bool:
     return unicodedata.east_asian_width(character) in ("W", "F")
 
 
-def break_line(text: str, advances: Sequence[float], room: float) -> list[str]:
-    """Break a text into lines no longer than there is room for, where it can be broken.
+def break_line(text: str, advances: Sequence[float], length: float) -> list[str]:
+    """Break a text into lines no longer than a length, where it can be broken.
 
     Parameters
     ----------
     text : str
     advances : sequence of float
         Of every character; 0 for all but the first that are drawn as one.
-    room : float
+    length : float
         In the unit of the advances.
 
     Returns
@@ -260,16 +260,16 @@ def break_line(text: str, advances: Sequence[float], room: float) -> list[str]:
     list of str
         Without the spaces around the breaks.
     """
-    lines, start, end, width, kept = [], 0, 0, 0.0, 0.0
+    lines, start, end, width, inked_before = [], 0, 0, 0.0, 0.0
     for k, advance in enumerate(advances):
         width += advance
-        inked = width if not text[k].isspace() else kept
-        if inked > room and end > start:
+        inked = width if not text[k].isspace() else inked_before
+        if inked > length and end > start:
             lines.append(text[start:end].strip())
             start = end
             width = sum(advances[start : k + 1])
             inked = width
-        kept = inked
+        inked_before = inked
         if k + 1 < len(text) and advances[k + 1] > 0.0 and may_break_after(text, k):
             end = k + 1
     lines.append(text[start:].strip())
@@ -353,27 +353,27 @@ class FontText:
         """Return whether its lines are columns."""
         return self.style.direction == "ttb"
 
-    def compose(self, room: float) -> Page:
-        """The page with lines no longer than `room`, glyph units, where they can be broken."""
-        key = tuple(self._lines(room))
+    def compose(self, length: float) -> Page:
+        """The page with lines no longer than `length`, glyph units, where they can be broken."""
+        key = tuple(self._lines(length))
         if key not in self._pages:
             self._pages[key] = self._set_lines(key, Shaper(self.font, self.style))
         return self._pages[key]
 
-    def least_size(self, room: float) -> tuple[float, float]:
+    def least_size(self, length: float) -> tuple[float, float]:
         """Least length and height of the page, by advances alone."""
         pitch = _COLUMN_PITCH * EM_UNITS if self.runs_down else self._pitch
-        across = pitch * (len(self._lines(room)) - 1)
-        return (max(map(sum, self._advances)) if math.isinf(room) else 0.0), across
+        across = pitch * (len(self._lines(length)) - 1)
+        return (max(map(sum, self._advances)) if math.isinf(length) else 0.0), across
 
-    def _lines(self, room: float) -> list[str]:
+    def _lines(self, length: float) -> list[str]:
         parts = self._paragraphs()
-        if math.isinf(room):
+        if math.isinf(length):
             return parts
         return [
             line
             for part, advances in zip(parts, self._advances, strict=True)
-            for line in (break_line(part, advances, room) if part else [part])
+            for line in (break_line(part, advances, length) if part else [part])
         ]
 
     @cached_property
@@ -441,8 +441,8 @@ class FontText:
         forms = self._known_strokes(body, text)
         strokes: list[GlyphStroke] = []
         shapes = [as_multipolygon(unary_union(parts))] if forms else parts  # known lines: of both
-        ways = [forms or self._way_through(body, text), *[()] * (len(shapes) - 1)]
-        for shape, known in zip(shapes, ways, strict=True):
+        paths = [forms or self._pen_path(body, text), *[()] * (len(shapes) - 1)]
+        for shape, known in zip(shapes, paths, strict=True):
             strokes += with_stubs(_decompose(shape, known, first.is_rtl), _BOLD)
         left, lower, right, upper = bounds_of(part.bounds for part in parts)
         if self.runs_down:
@@ -460,8 +460,8 @@ class FontText:
             return ()
         return known_strokes(self.templates, text)
 
-    def _way_through(self, body: Body, text: str) -> tuple[Glyph, ...]:
-        """The way of the pen through a body of Arabic letters, from its first glyph's origin."""
+    def _pen_path(self, body: Body, text: str) -> tuple[Glyph, ...]:
+        """The path of the pen through a body of Arabic letters, from its first glyph's origin."""
         first = body.glyphs[0]
         if self.templates is None or first.script != "Arab":
             return ()
@@ -476,8 +476,8 @@ class FontText:
             end = min((c for c in starts if c > one.cluster), default=len(text) + starts[0])
             letter = _letters_of(text, one.cluster - starts[0], end - starts[0])
             letters.append(PlacedLetter(*letter, np.array(largest.bounds) + at))
-        way = body_strokes(letters)
-        return () if way is None else (way,)
+        path = body_strokes(letters)
+        return () if path is None else (path,)
 
 
 def _letters_of(text: str, start: int, end: int) -> tuple[str, str]:

@@ -179,13 +179,13 @@ class CorrectedPage:
         import shapely
 
         there = shapely.Point(*point)
-        best, found = (np.inf, np.inf), None
+        best, nearest = (np.inf, np.inf), None
         for k, one in enumerate(self.strokes):
             off = shapely.distance(one.stroke.polygon(), there)
             line = shapely.distance(shapely.LineString(one.stroke.median), there)
             if off <= reach and (off, line) < best:
-                best, found = (float(off), float(line)), k
-        return found
+                best, nearest = (float(off), float(line)), k
+        return nearest
 
     def page(self) -> Page:
         """The page with what is to be written.
@@ -199,8 +199,8 @@ class CorrectedPage:
         """
         order = list(dict.fromkeys(one.piece for one in self.strokes))
         pieces = [self._make_piece(p) for p in order]
-        kept = tuple(piece for piece in pieces if piece.glyph.strokes)
-        return replace(self.base, pieces=kept)
+        written = tuple(piece for piece in pieces if piece.glyph.strokes)
+        return replace(self.base, pieces=written)
 
     def _make_piece(self, p: int) -> Piece:
         piece = self.base.pieces[p]
@@ -293,15 +293,17 @@ def _part_region(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon
     after = np.arange(cut + 0.5 * step, length, step)
     if not len(before) or not len(after):
         before, after = np.array([0.5 * cut]), np.array([1.5 * cut])
-    places = np.round(points_at(median, np.concatenate([before, after])) / _GRID) * _GRID
-    _, first = np.unique(places, axis=0, return_index=True)  # of a line that comes back on itself
-    kept = np.sort(first)
-    points = shapely.points(places[kept])
+    points_along = np.round(points_at(median, np.concatenate([before, after])) / _GRID) * _GRID
+    _, first = np.unique(
+        points_along, axis=0, return_index=True
+    )  # of a line that comes back on itself
+    distinct = np.sort(first)
+    points = shapely.points(points_along[distinct])
     cells = shapely.get_parts(
         shapely.voronoi_polygons(shapely.multipoints(points), extend_to=region)
     )
     of_point, cell = shapely.STRtree(cells).query(points, predicate="within")
-    mine = shapely.union_all(cells[cell[kept[of_point] < len(before)]])
+    mine = shapely.union_all(cells[cell[distinct[of_point] < len(before)]])
     one = shapely.intersection(region, mine, grid_size=_GRID)
     other = shapely.difference(region, mine, grid_size=_GRID)
     return _merge_small_parts(_polygons(one), _polygons(other))
@@ -338,15 +340,15 @@ def _merge_small_parts(one: list[Polygon], other: list[Polygon]) -> tuple[Polygo
 
 
 def _part_dryness(
-    dryness: Sequence[float], share: float
+    dryness: Sequence[float], fraction: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Shares left bare at even stations, of the two parts of a stroke."""
+    """Fractions left bare at even stations, of the two parts of a stroke."""
     n = len(dryness)
     if not n:
         return (), ()
-    first = min(max(round(n * share), 1), max(n - 1, 1))
+    first = min(max(round(n * fraction), 1), max(n - 1, 1))
     counts = first, max(n - first, 1)
-    spans = (0.0, share), (share, 1.0)
+    spans = (0.0, fraction), (fraction, 1.0)
     parts = [
         _resample_dryness(dryness, low, high, m)
         for (low, high), m in zip(spans, counts, strict=True)
@@ -357,7 +359,7 @@ def _part_dryness(
 def _resample_dryness(
     dryness: Sequence[float], low: float, high: float, n: int
 ) -> tuple[float, ...]:
-    """Shares at n even stations of a part of a stroke, from those of all of it."""
+    """Fractions at n even stations of a part of a stroke, from those of all of it."""
     at = low + (np.arange(n) + 0.5) / n * (high - low)
     known = (np.arange(len(dryness)) + 0.5) / len(dryness)
     return tuple(np.round(np.interp(at, known, dryness), 3).tolist())
@@ -391,13 +393,13 @@ def _join_strokes(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
 def _concatenate_dryness(
     drynesses: Sequence[Sequence[float]], lengths: Sequence[float]
 ) -> tuple[float, ...]:
-    """Shares at even stations of two strokes as one; a stroke that does not say is wet."""
+    """Fractions at even stations of two strokes as one; a stroke that does not say is wet."""
     known = [dry or (0.0,) for dry in drynesses]
     at = [(np.arange(len(d)) + 0.5) / len(d) * w for d, w in zip(known, lengths, strict=True)]
-    places = np.concatenate([at[0], lengths[0] + at[1]])
-    n = len(places)
+    stations = np.concatenate([at[0], lengths[0] + at[1]])
+    n = len(stations)
     wanted = (np.arange(n) + 0.5) / n * sum(lengths)
-    return tuple(np.round(np.interp(wanted, places, np.concatenate(known)), 3).tolist())
+    return tuple(np.round(np.interp(wanted, stations, np.concatenate(known)), 3).tolist())
 
 
 def _bridge_regions(

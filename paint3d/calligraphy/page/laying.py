@@ -33,7 +33,7 @@ from paint3d.mesh.placement import SurfaceLine
 
 __all__ = ["PlacedPiece", "lay_page"]
 
-_SHARES = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines that are tried
+_LINE_FRACTIONS = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines that are tried
 _MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the place: tried in turn
 _MOST_PLACES = 12
 _ROUNDING = 1e-6  # of a length
@@ -109,7 +109,7 @@ def _lay_on_area(
     composed: Page | None = None  # in one line, or broken as little as was tried
     areas, layout = find_writing_areas(surface, layout)
     area = areas[0]  # of a couplet, the panel on the right
-    for n, frame in enumerate(_places(area, layout, em_mm)):
+    for n, frame in enumerate(_frames_to_try(area, layout, em_mm)):
         if n == most_places:
             break
         sheet = _Sheet(area, em_mm, layout, limits, frame)
@@ -126,11 +126,17 @@ def _lay_on_area(
             object=surface.mesh.name,
         )
     if composed is None:
-        raise _far_too_large(surface, composer, em_mm, fault)
+        raise InputError(  # its advances alone show that it is too large
+            "the text is {length:,.0f} mm long at this size, which does not fit on {object} "
+            "({fault}); expected less to write or a smaller size",
+            length=em_mm / EM_UNITS * composer.least_size(math.inf)[0],
+            object=surface.mesh.name,
+            fault=fault,
+        )
     raise _too_large(surface, composed, em_mm, fault)
 
 
-def _places(area: WritingArea, layout: Layout, em_mm: float) -> Iterator[SurfaceFrame]:
+def _frames_to_try(area: WritingArea, layout: Layout, em_mm: float) -> Iterator[SurfaceFrame]:
     """Places where the page's middle may lie: the one asked for, or one after another."""
     if layout.is_placed or layout.around:
         yield start_around(area, layout, em_mm)
@@ -156,19 +162,6 @@ def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshErro
     )
 
 
-def _far_too_large(
-    surface: ClosestPoints, composer: Composer, em_mm: float, fault: MeshError
-) -> InputError:
-    """Error for a text whose advances alone show that it is too large."""
-    return InputError(
-        "the text is {length:,.0f} mm long at this size, which does not fit on {object} ({fault}); "
-        "expected less to write or a smaller size",
-        length=em_mm / EM_UNITS * composer.least_size(math.inf)[0],
-        object=surface.mesh.name,
-        fault=fault,
-    )
-
-
 class _Sheet(TextPlace):
     """A page's lines up and along, around one place of a surface."""
 
@@ -184,12 +177,12 @@ class _Sheet(TextPlace):
 
         Of that not even the glyphs are placed, which takes seconds for thousands.
         """
-        room = self._length_along(composer)
+        available = self._length_along(composer)
         page: Page | None = None
-        for share in (math.inf, *_SHARES):
-            length = share * room / self.scale
+        for fraction in (math.inf, *_LINE_FRACTIONS):
+            length = fraction * available / self.scale
             along, across = (self.scale * size for size in composer.least_size(length))
-            if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._length_across(
+            if along > _FAR * available + 4.0 * self.em_mm or across > _FAR * self._length_across(
                 composer
             ):
                 self.too_small = self.too_small or self.surface_ends_error()
@@ -230,11 +223,11 @@ class _Sheet(TextPlace):
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
                 laid = self._arrange(page, move * self.em_mm)
-                found = {
+                laid_pieces = {
                     k: self._lay_piece(laid.pieces[k], laid, move * self.em_mm)
                     for k in _outermost_first(laid)
                 }
-                placed = [found[k] for k in range(len(found))]
+                placed = [laid_pieces[k] for k in range(len(laid_pieces))]
                 self._check_apart(laid, placed)
                 return placed
             except MeshError as cause:
@@ -248,7 +241,7 @@ class _Sheet(TextPlace):
             return page
         arc = self._find_arc(self._heights(page, move))
         if arc is not None:
-            return self._along(page, arc)
+            return self._lay_along(page, arc)
         if all(piece.word is not None for piece in page.pieces):
             return self._wrap_around(page, move)
         return self._spread_around(page)
@@ -270,8 +263,8 @@ class _Sheet(TextPlace):
         rings = [self._ring_at(height) for height in (0.0, *heights)]
         girths = [ring.length / ring.n_turns for ring in rings]
         start, end = (
-            best(place * girth / girths[0] for girth in girths)
-            for best, place in ((max, arc.start), (min, arc.end))
+            best(end_of_arc * girth / girths[0] for girth in girths)
+            for best, end_of_arc in ((max, arc.start), (min, arc.end))
         )
         return replace(arc, start=start, end=max(start, end))
 
@@ -281,7 +274,7 @@ class _Sheet(TextPlace):
             self._rings[height] = Ring(self.surface, right, left, self.up.up, self.em_mm)
         return self._rings[height]
 
-    def _along(self, page: Page, arc: FreeArc) -> Page:
+    def _lay_along(self, page: Page, arc: FreeArc) -> Page:
         """A page along a free arc: drawn out a little where there is room, and in its middle.
 
         Words stay whole.
@@ -292,12 +285,12 @@ class _Sheet(TextPlace):
             If it is longer than the arc.
         """
         left, _, right, _ = page.bounds
-        room = (arc.length + self.em_mm) / self.scale
-        if right - left > room * (1.0 + _ROUNDING):
+        available = (arc.length + self.em_mm) / self.scale
+        if right - left > available * (1.0 + _ROUNDING):
             raise in_the_way_error(
                 MeshError(
                     "beside it {room:.0f} mm are free round {object}, and {width:.0f} mm are taken",
-                    room=self.scale * room,
+                    room=self.scale * available,
                     width=self.scale * (right - left),
                     object=self.surface.mesh.name,
                 ),
@@ -308,7 +301,7 @@ class _Sheet(TextPlace):
         for line, words in _words_of(page).items():
             start, _, end, _ = bounds_of(box for boxes in words.values() for box in boxes)
             gaps = max(len(words) - 1, 1)
-            more = min((room - (end - start)) / gaps, _MOST_MORE) if len(words) > 1 else 0.0
+            more = min((available - (end - start)) / gaps, _MOST_MORE) if len(words) > 1 else 0.0
             for k, word in enumerate(_from_left(words)):
                 shifts[line, word] = more * (k - 0.5 * (len(words) - 1)) - 0.5 * (start + end)
             widest = max(widest, end - start + more * (len(words) - 1))
@@ -325,14 +318,14 @@ class _Sheet(TextPlace):
         boxes = [piece.box for piece in page.pieces]
 
         def shared(one: int, two: int) -> float:
-            """How far two boxes would have to be moved until they are apart on the page, mm."""
+            """The depth to which two boxes overlap on the page, and a little more, mm."""
             (l1, b1, r1, u1), (l2, b2, r2, u2) = boxes[one], boxes[two]
             depth = min(r1 - l2, r2 - l1, u1 - b2, u2 - b1)
             return self.scale * max(depth, 0.0) + _SHARED * self.em_mm
 
-        found = overlapping([one.square for one in placed], shared)
-        if found is not None:
-            one, two = (placed[k].glyph.text for k in found)
+        overlap = overlapping([one.square for one in placed], shared)
+        if overlap is not None:
+            one, two = (placed[k].glyph.text for k in overlap)
             raise MeshError(
                 "{object}: the lines of the surface run together there, so that {one!r} and "
                 "{two!r} would lie on each other",

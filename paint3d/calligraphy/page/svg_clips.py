@@ -67,16 +67,16 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
         here = [*above, element]
         seen: set[str] = set()
         while text and text != "none":
-            found = _REFERENCE.fullmatch(text)
-            path = named.get(found[1]) if found else None
-            if found is None or (path is not None and not _is_plain(path)):
+            match = _REFERENCE.fullmatch(text)
+            path = named.get(match[1]) if match else None
+            if match is None or (path is not None and not _is_plain(path)):
                 others.add(text.strip()[:40])
                 break
-            if path is None or found[1] in seen or len(paths) >= _MOST * _MOST:
+            if path is None or match[1] in seen or len(paths) >= _MOST * _MOST:
                 break
-            seen.add(found[1])
+            seen.add(match[1])
             clips = (*clips, len(paths))
-            paths.append(_drawing(here, path, named))
+            paths.append(_clip_drawing(here, path, named))
             text = _property_of(path)  # itself clipped
         if clips:
             element.set(CLIPS, " ".join(map(str, clips)))
@@ -117,9 +117,9 @@ def _is_plain(path: Element) -> bool:
     )
 
 
-def _drawing(place: Sequence[Element], path: Element, named: dict[str, Element]) -> bytes:
+def _clip_drawing(ancestors: Sequence[Element], path: Element, named: dict[str, Element]) -> bytes:
     """A drawing that fills a path in the place of the last of these elements, from the root."""
-    root, *inner = place
+    root, *inner = ancestors
     drawing = Element(root.tag, {k: v for k, v in root.attrib.items() if k in _PLACING})
     at = drawing
     for element in inner:
@@ -148,7 +148,7 @@ def _fill_element(
     )
     if hidden:
         return ()
-    kept = {k: v for k, v in element.attrib.items() if k not in _LOOKS}
+    attributes = {k: v for k, v in element.attrib.items() if k not in _LOOKS}
     if tag_of(element) == "use":
         used = named.get(reference_of(element))
         if used is None:
@@ -156,7 +156,7 @@ def _fill_element(
         group = Element(tag_like(element, "g"), {"transform": _transform(element)})
         group.extend(_fill_element(used, rule, named, depth + 1))
         return (group,)
-    copy = Element(element.tag, {**kept, "fill": "#000", "stroke": "none"})
+    copy = Element(element.tag, {**attributes, "fill": "#000", "stroke": "none"})
     if rule:
         copy.set("fill-rule", rule)
     for child in element:

@@ -94,14 +94,14 @@ def sheet_size(corners: AnyArray, shape: tuple[int, int], longest: int) -> tuple
         Of the longer side; less where the picture shows no more.
     """
     sides = np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1)
-    ratio = _ratio(corners, shape) or float((sides[0] + sides[2]) / (sides[1] + sides[3]))
+    ratio = _side_ratio(corners, shape) or float((sides[0] + sides[2]) / (sides[1] + sides[3]))
     ratio = min(max(ratio, 1.0 / _SLIMMEST), _SLIMMEST)
     long = min(longest, round(float(sides.max())))
     width, height = (long, long / ratio) if ratio > 1.0 else (long * ratio, long)
     return max(8, round(height)), max(8, round(width))
 
 
-def _ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
+def _side_ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
     """Width over height of a sheet, where the perspective is strong enough."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     size = max(shape)
@@ -149,8 +149,8 @@ def straightened(
             plane = gaussian_filter(plane, 0.4 * math.sqrt(shrink**2 - 1.0), truncate=3.0)
         for first in range(0, height, _ROWS):
             rows = np.arange(first, min(first + _ROWS, height)) + 0.5
-            places = np.stack(np.broadcast_arrays(x[None], rows[:, None]), axis=-1)
-            at = map_points(matrix, places.reshape(-1, 2)) - 0.5
+            pixels_at = np.stack(np.broadcast_arrays(x[None], rows[:, None]), axis=-1)
+            at = map_points(matrix, pixels_at.reshape(-1, 2)) - 0.5
             values = map_coordinates(plane, at[:, ::-1].T, order=1, mode="nearest")
             out[first : first + len(rows), :, channel] = values.reshape(len(rows), width)
     return out
@@ -162,11 +162,11 @@ def straightened(
 _SEARCHED, _DRAWN = 320, 1400  # pixels of the longer side: where it is looked for, and drawn
 _THRESHOLDS = 24
 _LEAST, _MOST = 0.06, 0.985  # of the picture
-_FOUR_SIDED = 0.93  # of an area and its quadrilateral that they share
+_FOUR_SIDED = 0.93  # of an area and its quadrilateral that they fraction
 _STATIONS = 48  # along a side
 _OUT = 0.012  # of the picture: how far inside and outside a side colours are compared
 _AS_LARGE = 0.4  # of the area of the sheet that stands out most: another one
-_OVERLAP = 0.1  # of the smaller one's area, that two sheets may share
+_OVERLAP = 0.1  # of the smaller one's area, that two sheets may fraction
 _WEAKEST = 0.5  # of contrast along the weakest side over what the planes vary by themselves
 _LEFT_OUT = 0.06  # of a side at either end, where corners are round
 _ROUNDS = ((0.03, 6), (0.008, 6))  # of the picture to either side, and how often
@@ -200,8 +200,8 @@ def checked_corners(corners: AnyArray, shape: tuple[int, int]) -> NDArray[np.flo
     """
     corners = np.asarray(corners, np.float64)
     height, width = shape
-    room = 0.02 * max(shape)
-    if ((corners < -room) | (corners > (width + room, height + room))).any():
+    margin = 0.02 * max(shape)
+    if ((corners < -margin) | (corners > (width + margin, height + margin))).any():
         raise InputError(
             "corners are {corners} in a picture of {width} x {height} pixels; expected places in "
             "it",
@@ -244,8 +244,8 @@ def find_sheets(pixels: NDArray[np.uint8]) -> list[NDArray[np.float64]]:
     import shapely
 
     step = max(1, round(max(pixels.shape[:2]) / _SEARCHED))
-    small = _planes(pixels, step)
-    candidates = [one for one in _candidates(small) if shapely.Polygon(one).is_valid]
+    small = _compute_planes(pixels, step)
+    candidates = [one for one in _find_candidates(small) if shapely.Polygon(one).is_valid]
     ranked = [(_weakest_side(small, corners), corners) for corners in candidates]
     ranked.sort(key=lambda one: -one[0])
     chosen: list[tuple[NDArray[np.float64], Polygon]] = []
@@ -265,14 +265,14 @@ def find_sheets(pixels: NDArray[np.uint8]) -> list[NDArray[np.float64]]:
             hint="--corners x,y x,y x,y x,y, or --whole for all of the picture",
         )
     finer = max(1, round(max(pixels.shape[:2]) / _DRAWN))
-    fine = _planes(pixels, finer)
+    fine = _compute_planes(pixels, finer)
     return [
         _order_corners(_refine_corners(fine, corners * (step / finer)) * finer)
         for corners, _ in chosen
     ]
 
 
-def _planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
+def _compute_planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
     """Logarithms of brightness and of red over blue, by what each varies."""
     from scipy.ndimage import gaussian_filter
 
@@ -293,11 +293,11 @@ def _planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
 # -- candidates ---------------------------------------------------------------------------------
 
 
-def _candidates(small: _Planes) -> list[NDArray[np.float64]]:
+def _find_candidates(small: _Planes) -> list[NDArray[np.float64]]:
     """Quadrilaterals (4, 2) around areas above or below thresholds."""
     from scipy.ndimage import binary_fill_holes, binary_opening, find_objects, label
 
-    found: list[NDArray[np.float64]] = []
+    quadrilaterals: list[NDArray[np.float64]] = []
     for plane in small.planes:
         levels = np.quantile(plane, np.linspace(0.03, 0.97, _THRESHOLDS))
         for level in levels:
@@ -312,8 +312,8 @@ def _candidates(small: _Planes) -> list[NDArray[np.float64]]:
                         continue
                     corners = _four_sided(part, np.array([box[1].start, box[0].start]))
                     if corners is not None:
-                        found.append(corners)
-    return found
+                        quadrilaterals.append(corners)
+    return quadrilaterals
 
 
 def _four_sided(part: AnyArray, start: AnyArray) -> NDArray[np.float64] | None:
@@ -374,8 +374,8 @@ def _intersect(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray |
 
 def _side_normal(start: AnyArray, end: AnyArray) -> AnyArray:
     """Unit vector (2,) across a side, outwards."""
-    way = end - start
-    normal: AnyArray = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+    side = end - start
+    normal: AnyArray = np.array([side[1], -side[0]]) / max(float(np.linalg.norm(side)), 1e-9)
     return normal
 
 
@@ -383,10 +383,10 @@ def _sample_across(planes: _Planes, start: AnyArray, end: AnyArray, offsets: Any
     """Values of planes at offsets (K,) across a side: (planes, stations, K)."""
     from scipy.ndimage import map_coordinates
 
-    share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
-    way, normal = end - start, _side_normal(start, end)
-    places = (start + share[:, None] * way)[:, None] + offsets[None, :, None] * normal
-    at = places[..., ::-1].reshape(-1, 2).T - 0.5
+    fraction = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
+    side, normal = end - start, _side_normal(start, end)
+    points = (start + fraction[:, None] * side)[:, None] + offsets[None, :, None] * normal
+    at = points[..., ::-1].reshape(-1, 2).T - 0.5
     values = [map_coordinates(plane, at, order=1, mode="nearest") for plane in planes.planes]
     return np.array(values).reshape(len(values), _STATIONS, len(offsets))
 
@@ -451,8 +451,8 @@ def _fit_side(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> 
     best = middles[at] + _peak_offset(strong, at)
     weight = strong.max(axis=1)
     weight = np.minimum(weight, np.median(weight))  # a seal is stronger, but only in some places
-    share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
-    slope, height = _line_through(share, best, weight, 0.25 * reach)
+    fraction = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
+    slope, height = _line_through(fraction, best, weight, 0.25 * reach)
     normal = _side_normal(start, end)
     return np.array([start + height * normal, end + (height + slope) * normal])
 
@@ -534,7 +534,7 @@ _DARKEST = 1e-3
 
 
 def flattened(sheet: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Reflectance of every place of a sheet, as a share of the paper's.
+    """Reflectance of every place of a sheet, as a fraction of the paper's.
 
     Parameters
     ----------
@@ -604,8 +604,8 @@ def _spread_light(small: AnyArray, is_paper: AnyArray, longest: int) -> NDArray[
         weight[:] = 1.0
     total = np.zeros(small.shape, np.float32)
     left = np.ones(small.shape[:2], np.float32)
-    for k, share in enumerate(_NEAR):
-        sigma = max(0.7, share * longest)
+    for k, fraction in enumerate(_NEAR):
+        sigma = max(0.7, fraction * longest)
         down, across = (blur_matrix(n, sigma) for n in small.shape[:2])
         there = (down @ weight @ across.T).astype(np.float32)
         trust = left if k == len(_NEAR) - 1 else left * np.clip(there / _ENOUGH, 0.0, 1.0)
@@ -697,17 +697,17 @@ def check_ground(sheet: NDArray[np.float32]) -> None:
     InputError
         If most of the sheet is dark, and the rest much lighter.
     """
-    share, contrast = white_on_dark(sheet)
-    if share < _LIT and contrast > _CONTRAST:
+    fraction, contrast = white_on_dark(sheet)
+    if fraction < _LIT and contrast > _CONTRAST:
         raise InputError(
             "{share:.0%} of the sheet is white on a dark ground; expected dark strokes on paper",
             hint="of a rubbing: --invert",
-            share=share,
+            share=fraction,
         )
 
 
 def white_on_dark(sheet: NDArray[np.float32]) -> tuple[float, float]:
-    """Share of a sheet (H, W, 3) that is the lighter, and by how much: a natural logarithm."""
+    """Fraction of a sheet (H, W, 3) that is the lighter, and by how much: a natural logarithm."""
     grey = np.log(sheet[::3, ::3].mean(axis=2) + 0.004)
     lighter = grey > otsu(grey)
     contrast = float(grey[lighter].mean() - grey[~lighter].mean()) if lighter.any() else 0.0

@@ -29,6 +29,6 @@ def lay_paste(surface: PaintedSurface, left: Impression, parts: AnyArray) -> flo
     before = surface.wet_ink() + surface.dry_ink()
     surface.settle(left.vertex_ids)
     surface.ink.amounts[left.vertex_ids] = left.coats[:, None] * parts
-    surface.ink.coverage[left.vertex_ids] = left.share
+    surface.ink.coverage[left.vertex_ids] = left.coverage
     surface.settle(left.vertex_ids)
     return surface.wet_ink() + surface.dry_ink() - before

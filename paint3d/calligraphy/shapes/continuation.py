@@ -25,7 +25,7 @@ _MOST_ENDS = 8  # at a junction, of which all pairings are tried
 
 @dataclass(frozen=True)
 class End:
-    """One end of a branch: how it leaves the junction that is there.
+    """An end of a branch at a junction, and the direction in which it leaves that.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class End:
         Its index.
     side : int
         0 for the first point of its line, 1 for the last.
-    way : (2,) float64
+    direction : (2,) float64
         Unit vector away from the junction.
     start : (2,) float64
         Where the branch is clear of the junction.
@@ -43,7 +43,7 @@ class End:
 
     branch: int
     side: int
-    way: NDArray[np.float64]
+    direction: NDArray[np.float64]
     start: NDArray[np.float64]
     width: float
 
@@ -145,10 +145,10 @@ def _end(
 ) -> End:
     """Direction in which a branch leaves a junction, taken where it is clear of it."""
     line = resample(branch.away_from(side), max(0.2 * junction.radius, 1e-3 * branch.length), 8)
-    way = np.linspace(0.0, branch.length, len(line))
+    along = np.linspace(0.0, branch.length, len(line))
     low = min(_DIRECTION_FROM * junction.radius, 0.4 * branch.length)
     high = min(low + (_DIRECTION_TO - _DIRECTION_FROM) * junction.radius, branch.length)
-    part = line[(way >= low) & (way <= high)]
+    part = line[(along >= low) & (along <= high)]
     if len(part) < 2:
         part = line[[0, -1]]
     direction = np.linalg.svd(part - part.mean(axis=0), full_matrices=False)[2][0]
@@ -159,10 +159,10 @@ def _end(
 
 def _turning(one: End, two: End) -> float:
     """Cost of one end going on in another, degrees."""
-    own = _turn_between(-one.way, two.way)
+    own = _turn_between(-one.direction, two.direction)
     gap = two.start - one.start
     if np.linalg.norm(gap) > 0.2 * (one.width + two.width):
-        across = 0.5 * (_turn_between(-one.way, gap) + _turn_between(two.way, gap))
+        across = 0.5 * (_turn_between(-one.direction, gap) + _turn_between(two.direction, gap))
     else:
         across = own
     ratio = max(one.width, 1e-12) / max(two.width, 1e-12)

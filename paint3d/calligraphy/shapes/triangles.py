@@ -98,11 +98,11 @@ class Triangles:
         import shapely
 
         lines, tree = self._edge_index
-        places = shapely.points(points)
-        result: NDArray[np.float64] = shapely.distance(places, lines[tree.nearest(places)])
+        positions = shapely.points(points)
+        result: NDArray[np.float64] = shapely.distance(positions, lines[tree.nearest(positions)])
         reach = (1.0 + _ROUNDED) * result  # of some that are as near, the tree takes any
-        which, near = tree.query(places, predicate="dwithin", distance=reach)
-        np.minimum.at(result, which, shapely.distance(places[which], lines[near]))
+        which, near = tree.query(positions, predicate="dwithin", distance=reach)
+        np.minimum.at(result, which, shapely.distance(positions[which], lines[near]))
         return result
 
     def region(self, triangles: AnyArray | list[int]) -> Polygon:

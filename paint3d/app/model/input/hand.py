@@ -281,7 +281,7 @@ class HandSettings:
     ruler : str
         One of `RULERS`: what a stroke is led along.
     trail : float
-        Share of the tuft's length that its tip trails behind the brush.
+        Fraction of the tuft's length that its tip trails behind the brush.
     pressure_by : {"keys", "speed"}
         What gives the pressure of a device that has none.
     newtons_per_s, newtons_per_notch : float
