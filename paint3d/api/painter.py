@@ -290,8 +290,7 @@ class Painter(StrokePainter):
             If it cannot be cut, or there is no place for it.
         """
         from paint3d.calligraphy.layout import places_for
-        from paint3d.calligraphy.seal.impression import Pressing, find_impression
-        from paint3d.calligraphy.seal.paste import lay_paste
+        from paint3d.calligraphy.seal.impression import Pressing, find_impression, lay_paste
         from paint3d.calligraphy.seal.stone import cut_seal
         from paint3d.mesh.chart import frame_at
 

@@ -19,7 +19,6 @@ __all__ = [
     "NAMED_AS_COLOUR",
     "REPEAT",
     "VERTEX_COLOURS",
-    "WRAPS",
     "Look",
     "colour_codes",
     "colour_shares",
@@ -167,7 +166,6 @@ def _find_range(good: NDArray[np.float64], is_integer: bool, expected: int) -> i
 
 
 MAX_PIXELS = 1 << 26
-WRAPS = ("repeat", "clamp", "mirror")
 REPEAT = ("repeat", "repeat")
 
 
@@ -181,8 +179,8 @@ class Look:
         Linear, 0 to 1.
     picture : (H, W, 3) uint8 or None
         sRGB codes.
-    wrap : tuple of 2 of `WRAPS`
-        What becomes of places outside the picture, along its width and its height.
+    wrap : tuple of 2 of {"repeat", "clamp", "mirror"}
+        Treatment of positions outside the picture, along its width and its height.
     """
 
     factor: tuple[float, float, float] = (1.0, 1.0, 1.0)
@@ -259,7 +257,7 @@ def sample_picture(
     uv : (N, 2) float64
         From the upper left corner, 0 to 1 over width and height. Places that are not finite
         count as the corner.
-    wrap : tuple of 2 of `WRAPS`
+    wrap : tuple of 2 of {"repeat", "clamp", "mirror"}
         Outside, the picture repeats, ends in its border's colour, or is mirrored.
     """
     table = linear_from_srgb(np.arange(256, dtype=np.uint8))

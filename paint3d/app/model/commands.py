@@ -50,7 +50,6 @@ __all__ = [
     "decode_command",
     "encode_command",
     "encode_line",
-    "find_shortcuts",
     "replay_command",
 ]
 
@@ -505,11 +504,6 @@ SHORTCUTS: tuple[Shortcut, ...] = tuple(
     for keys in ways
 )
 """The whole key map."""
-
-
-def find_shortcuts(name: str) -> list[Shortcut]:
-    """All ways to ask for a command."""
-    return [shortcut for shortcut in SHORTCUTS if shortcut.action == name]
 
 
 # ---- Commands as lines ---------------------------------------------------------------------------

@@ -28,7 +28,7 @@ from paint3d.surface.pores import even_exp
 if TYPE_CHECKING:
     from shapely import Geometry
 
-__all__ = ["Impression", "Pressing", "find_impression"]
+__all__ = ["Impression", "Pressing", "find_impression", "lay_paste"]
 
 _NODES = 32.0  # of the chart along the longer side
 _MARGIN_MM = 0.3  # around the stone
@@ -141,7 +141,7 @@ def find_impression(
     ids, xy = _vertices_under(surface, chart)
     if not len(ids):
         raise InputError("the seal meets no vertex of the surface; expected another place")
-    inside = stone.within(xy)
+    inside = stone.signed_distance(xy)
     wide = np.sqrt(surface.vertex_areas[ids])
     inside = inside - pressing.wear * _wear_at(xy, half, pressing.seed)
     soft = np.maximum(_EDGE * wide, _SOFT_MM)
@@ -159,12 +159,37 @@ def find_impression(
     return Impression(ids[inked], coats.astype(np.float32), covered.astype(np.float32), touched)
 
 
+def lay_paste(surface: PaintedSurface, impression: Impression, parts: AnyArray) -> float:
+    """Lay what a seal leaves on the layer that is painted on.
+
+    What is wet below it dries first; the paste lies on it and does not run.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    impression : Impression
+    parts : (P,) array
+        Fractions of the surface's pigments in the paste, of sum 1.
+
+    Returns
+    -------
+    float
+        Ink that came onto the surface, coats x mm2.
+    """
+    before = surface.wet_ink() + surface.dry_ink()
+    surface.settle(impression.vertex_ids)
+    surface.ink.amounts[impression.vertex_ids] = impression.coats[:, None] * parts
+    surface.ink.coverage[impression.vertex_ids] = impression.coverage
+    surface.settle(impression.vertex_ids)
+    return surface.wet_ink() + surface.dry_ink() - before
+
+
 def _measure_touched(chart: SurfaceChart, stone: _Stone, pressing: Pressing) -> float:
     """The fraction of the stone's ink that would meet the surface, before that is refined."""
     reach = chart.reach
     points = lattice(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach))
     soft = max(_EDGE * (2.0 * reach.max() / _ACROSS), _SOFT_MM)
-    coverage = np.clip(0.5 + 0.5 * stone.within(points) / soft, 0.0, 1.0)
+    coverage = np.clip(0.5 + 0.5 * stone.signed_distance(points) / soft, 0.0, 1.0)
     firm = np.clip(_firmness(chart, points, pressing.pad_mm) / _FIRM, 0.0, 1.0)
     return float((coverage * firm).sum() / max(coverage.sum(), 1e-9))
 
@@ -265,7 +290,7 @@ class _Stone:
         self._edges = edges
         self._tree = shapely.STRtree(shapely.linestrings(edges))
 
-    def within(self, xy: AnyArray) -> AnyArray:
+    def signed_distance(self, xy: AnyArray) -> AnyArray:
         """Signed distance of points (N, 2) to the edge, mm; negative outside."""
         import shapely
 

@@ -219,8 +219,6 @@ class Recovered:
     Attributes
     ----------
     document : Document
-    n_events : int
-        Batches of samples and commands that were done again.
     loss : Loss
         What of the journals could not be read; all that came after it counts, too.
     refused : tuple of Message
@@ -228,7 +226,6 @@ class Recovered:
     """
 
     document: Document
-    n_events: int
     loss: Loss
     refused: tuple[Message, ...]
 
@@ -304,7 +301,7 @@ class Unfinished:
             document.set_file(self.path, self.file)
             document.mark_modified()
             unknown = Counter(refused) - known
-            return Recovered(document, len(events), loss, tuple(unknown.elements()))
+            return Recovered(document, loss, tuple(unknown.elements()))
 
     @contextmanager
     def held(self) -> Iterator[None]:
