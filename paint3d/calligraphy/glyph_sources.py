@@ -18,7 +18,6 @@ __all__ = [
     "GlyphSource",
     "HanziWriterFolder",
     "KanjiVGLines",
-    "check_glyphs",
     "has_letters",
     "is_square_letter",
     "load_glyphs",
@@ -162,7 +161,7 @@ def names_of(characters: Iterable[str]) -> str:
     return ", ".join(f"{one!r} (U+{ord(one):04X})" for one in characters)
 
 
-def check_glyphs(source: GlyphSource, text: str) -> None:
+def _check_glyphs(source: GlyphSource, text: str) -> None:
     """Refuse a text with characters that a source does not know.
 
     Raises
@@ -186,7 +185,7 @@ def load_glyphs(source: GlyphSource, text: str) -> dict[str, Glyph]:
     Raises
     ------
     GlyphError
-        As `check_glyphs`.
+        As `_check_glyphs`.
     """
-    check_glyphs(source, text)
+    _check_glyphs(source, text)
     return {c: source.load(c) for c in dict.fromkeys(text)}

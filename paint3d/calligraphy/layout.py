@@ -51,7 +51,6 @@ __all__ = [
     "start_around",
     "upright_frame",
     "walking_step",
-    "with_place",
     "with_suggestion",
 ]
 
@@ -503,7 +502,7 @@ def with_suggestion(
             "{cause}; a size of {smaller:g} mm would fit", cause=fault.message, smaller=smaller
         )
     elif smaller is None:
-        return with_place(fault, *other)
+        return _with_place(fault, *other)
     else:
         message = Message(
             "{cause}; a size of {smaller:g} mm would fit, and this size at {u:g},{v:g}",
@@ -515,7 +514,7 @@ def with_suggestion(
     return type(fault)(message, hint=fault.hint)
 
 
-def with_place(fault: InputError, u: float, v: float) -> InputError:
+def _with_place(fault: InputError, u: float, v: float) -> InputError:
     """A fault with a place at which a text of this size fits."""
     message = Message("{cause}; this size would fit at {u:g},{v:g}", cause=fault.message, u=u, v=v)
     return type(fault)(message, hint=fault.hint)
@@ -704,7 +703,7 @@ class _Grid(TextPlace):
                 return error
         except InputError:
             return error
-        return with_place(error, u, self.layout.at[1])
+        return _with_place(error, u, self.layout.at[1])
 
     @property
     def usable_area(self) -> float:

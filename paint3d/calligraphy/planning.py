@@ -41,7 +41,6 @@ __all__ = [
     "on_paper",
     "plan_glyph",
     "plan_stroke",
-    "visiting",
 ]
 
 # ---- Bare corners --------------------------------------------------------------------------------
@@ -114,7 +113,7 @@ def detours_to(
     Where the bend of the tuft is `held` against the motion nothing turns back: a bend only.
     """
     if not is_held:
-        yield visiting(line, corner, field)
+        yield _visiting(line, corner, field)
         k, tip = _find_departure(line, corner, field)
         ahead = (corner.points - line.points[k]) @ (corner.middle - line.points[k])
         other = corner.points[int(np.argmax(ahead))]
@@ -137,7 +136,7 @@ def _bend_to(line: CentreLine, corner: Corner, nearest: int, field: OutlineField
     return measure_line(points, line.width, line.step, field)
 
 
-def visiting(line: CentreLine, corner: Corner, field: OutlineField) -> CentreLine:
+def _visiting(line: CentreLine, corner: Corner, field: OutlineField) -> CentreLine:
     """Leave a line, where a disc on it reaches nearest to a corner, for its tip and come back."""
     k, tip = _find_departure(line, corner, field)
     return _visit_point(tip, k, line, field)
@@ -315,7 +314,7 @@ def _lead_into_corners(best: FittedLine, fitter: PathFitter) -> FittedLine:
     if len(left) > 1:
         line = best.line
         for corner in left:
-            line = visiting(line, corner, field)
+            line = _visiting(line, corner, field)
         best = _best_detour(best, [line], fitter)
     return best
 

@@ -21,17 +21,16 @@ from paint3d.files.progress import Progress
 from paint3d.files.sandbox import PICTURE_SECONDS, Found, notes_of, read_apart
 
 __all__ = [
-    "HEIF_SUFFIXES",
     "PHOTOGRAPH_SUFFIXES",
     "child_photograph",
     "load_photograph",
     "read_photograph",
 ]
 
-HEIF_SUFFIXES = (".heic", ".heif")
+_HEIF_SUFFIXES = (".heic", ".heif")
 PHOTOGRAPH_SUFFIXES = (
     ".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".gif", ".ppm", ".pgm",
-    *HEIF_SUFFIXES,
+    *_HEIF_SUFFIXES,
 )  # fmt: skip
 log = logging.getLogger("paint3d")
 

@@ -25,15 +25,13 @@ from paint3d.view.shot import Moment, Shot, take_film, take_shot, take_turning
 from paint3d.view.studio import Gloss
 
 __all__ = [
-    "FILM_SUFFIXES",
-    "PICTURE_SUFFIXES",
     "Filmed",
     "Turning",
     "write_growth",
     "write_picture",
 ]
 
-PICTURE_SUFFIXES, FILM_SUFFIXES = (".png", ".webp"), tuple(FILMS)
+_PICTURE_SUFFIXES, _FILM_SUFFIXES = (".png", ".webp"), tuple(FILMS)
 _FORMS = {".png": "PNG", **FILMS}
 _QUALITY = 92  # of a WebP
 _READ, _TAKEN = 0.6, 0.97  # of the time, about, until the painting is read and the picture there
@@ -206,7 +204,7 @@ def write_growth(
 def _check_form(path: Path, shot: Shot, turning: Turning | None) -> str:
     """The name of a file's format by its suffix, if it can hold what is asked."""
     suffix = path.suffix.lower()
-    known = PICTURE_SUFFIXES if turning is None else FILM_SUFFIXES
+    known = _PICTURE_SUFFIXES if turning is None else _FILM_SUFFIXES
     if suffix not in known:
         what = Message("a picture") if turning is None else Message("a film")
         if suffix:

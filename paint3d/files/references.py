@@ -18,7 +18,7 @@ from paint3d.files.formats.gltf import GltfFile
 from paint3d.files.formats.obj import MAX_LIBRARY
 from paint3d.files.sandbox import Found, read_apart
 
-__all__ = ["child_references", "may_refer_to", "refers_to", "refers_to_apart"]
+__all__ = ["child_references", "refers_to", "refers_to_apart"]
 
 _LIBRARIES = re.compile(rb"^[ \t]*mtllib[ \t]+(.+)$", re.MULTILINE)
 _MAPS = re.compile(rb"^[ \t]*(?:map_\w+|bump|norm|disp|decal|refl)[ \t]+(.+)$", re.MULTILINE | re.I)
@@ -34,7 +34,7 @@ def refers_to_apart(mesh: Path, file: Path) -> bool:
     Nothing is started where the names tell that it cannot. A mesh that reaches the limits speaks
     of nothing: whoever reads it says what is wrong with it.
     """
-    if not may_refer_to(mesh, file):
+    if not _may_refer_to(mesh, file):
         return False
     reader = f"{__name__}:{child_references.__name__}"
     try:
@@ -49,7 +49,7 @@ def child_references(path: Path, wanted: list[Any]) -> Found:
     return {}, {"refers": refers_to(path, Path(os.fsdecode(bytes.fromhex(wanted[0]))))}
 
 
-def may_refer_to(mesh: Path, file: Path) -> bool:
+def _may_refer_to(mesh: Path, file: Path) -> bool:
     """Return whether a mesh file could refer to another one, by their names alone, unopened."""
     wanted, top = os.path.realpath(file), os.path.realpath(mesh.parent)
     try:
@@ -71,7 +71,7 @@ def refers_to(mesh: Path, file: Path) -> bool:
     """
     wanted, top = os.path.realpath(file), os.path.realpath(mesh.parent)
     try:
-        return may_refer_to(mesh, file) and _any_is(
+        return _may_refer_to(mesh, file) and _any_is(
             wanted, top, _NAMED[_suffix(mesh)](read_contents(mesh), Path(top))
         )
     except (MeshError, MemoryError, OSError, AttributeError, LookupError, TypeError, ValueError):

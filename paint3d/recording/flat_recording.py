@@ -19,7 +19,6 @@ from paint3d.device.recorded import Recording
 
 __all__ = [
     "DEFAULT_LEAN",
-    "LIFT_NS",
     "MM_PER_PIXEL",
     "Lifts",
     "angles_from_orientations",
@@ -33,7 +32,7 @@ DEFAULT_LEAN = -0.25 * math.pi
 """Azimuth where a pad gives none, rad: down and to the right, so that the tip points up left."""
 MM_PER_PIXEL = 25.4 / 96.0
 """CSS pixels and Wacom's device-independent pixels, mm."""
-LIFT_NS = 1_000_000
+_LIFT_NS = 1_000_000
 """A lifted sample is put this long after a stroke's end and before the next one's start."""
 _UPRIGHT = 1e-9
 
@@ -106,7 +105,7 @@ def spread_equal_times(time_ns: NDArray[np.int64]) -> tuple[AnyArray, int]:
         return time_ns, 0
     stamps, first, counts = np.unique(time_ns, return_index=True, return_counts=True)
     steps = np.diff(stamps)
-    last = steps[-1] if len(steps) else LIFT_NS
+    last = steps[-1] if len(steps) else _LIFT_NS
     room = np.append(steps, max(int(last), int(counts[-1])))
     rank = np.arange(len(time_ns)) - np.repeat(first, counts)
     return np.repeat(stamps, counts) + np.repeat(room, counts) * rank // np.repeat(
@@ -133,7 +132,7 @@ class Lifts:
         self, time_ns: NDArray[np.int64], pressed: NDArray[np.float64], ends: NDArray[np.int64]
     ) -> None:
         gaps = time_ns[ends + 1] - time_ns[ends]
-        lift = np.minimum(LIFT_NS, gaps // 4)
+        lift = np.minimum(_LIFT_NS, gaps // 4)
         after = (pressed[ends] > 0) & (lift > 0)
         before = (pressed[ends + 1] > 0) & (lift > 0)
         # a lift goes behind its stroke's last sample, another before the next stroke's first

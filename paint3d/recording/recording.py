@@ -43,7 +43,6 @@ from paint3d.recording.units import TO_MM, units_of
 
 __all__ = [
     "AT_REST",
-    "LONGEST_REST_S",
     "MAX_LINE",
     "HandTime",
     "Recording",
@@ -680,15 +679,15 @@ def save_lines(
 # The time of the hand in a recording, as it is shown again: without long rests.
 
 
-LONGEST_REST_S = 1.0
+_LONGEST_REST_S = 1.0
 _BETWEEN_S = 0.3  # between two strokes whose clocks have nothing to do with each other
 
 
 class HandTime:
     """Counts the time that a film or a playback takes at the hand's own speed.
 
-    Between two samples as much time passes as between them did, but at most `LONGEST_REST_S`, since
-    nothing is to be seen then; where ink spreads meanwhile, that counts in full.
+    Between two samples as much time passes as between them did, but at most `_LONGEST_REST_S`,
+    since nothing is to be seen then; where ink spreads meanwhile, that counts in full.
 
     Parameters
     ----------
@@ -716,7 +715,7 @@ class HandTime:
             since = (int(time_ns[0]) - self._last_ns) * 1e-9
             gaps[0] = max(0.0, (since if since >= 0.0 else _BETWEEN_S) - self._ink_s)
         if not self._in_full:
-            gaps = np.minimum(gaps, LONGEST_REST_S)
+            gaps = np.minimum(gaps, _LONGEST_REST_S)
         when = self.seconds + np.cumsum(gaps)
         self._last_ns, self._ink_s = int(time_ns[-1]), 0.0
         self.seconds = float(when[-1])

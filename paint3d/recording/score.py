@@ -36,7 +36,6 @@ from paint3d.recording.recording import (
 )
 
 __all__ = [
-    "SCHEMA",
     "VERSION",
     "Event",
     "Score",
@@ -57,14 +56,14 @@ __all__ = [
 # What a line of a recording of version 2 may say: its JSON Schema, and the check of a line.
 
 
-SCHEMA = Path(__file__).parent / "data" / "score.schema.json"
+_SCHEMA = Path(__file__).parent / "data" / "score.schema.json"
 _DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
 @lru_cache(maxsize=1)
 def schema() -> Mapping[str, Any]:
     """The schema of a line."""
-    loaded: Mapping[str, Any] = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    loaded: Mapping[str, Any] = json.loads(_SCHEMA.read_text(encoding="utf-8"))
     return loaded
 
 

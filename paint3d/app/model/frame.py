@@ -32,7 +32,6 @@ from paint3d.surface.layer_stack import Layer
 from paint3d.view.pressed_tuft import PressedTuft
 
 __all__ = [
-    "DISH",
     "HAIR",
     "BrushView",
     "HeldInk",
@@ -46,7 +45,7 @@ __all__ = [
 # ---- The ink in the brush ------------------------------------------------------------------------
 
 
-DISH = np.full(31, 0.9)
+_DISH = np.full(31, 0.9)
 """Reflectance of white porcelain."""
 
 HAIR = np.linspace(0.42, 0.62, 31)
@@ -106,7 +105,7 @@ def ink_srgb(
     """
     inked: dict[str | Pigment, float]
     inked = {p: w for p, w in zip(pigments, parts, strict=False) if w > 0.0 and p is not WATER}
-    shown: AnyArray = HAIR if on_hair else DISH
+    shown: AnyArray = HAIR if on_hair else _DISH
     if inked:
         shown = mixture_reflectance(inked, sum(inked.values()), shown, by_volume=True)
     red, green, blue = (int(code) for code in srgb_from_reflectance(shown))

@@ -33,7 +33,6 @@ __all__ = [
     "fonts_with",
     "is_handwriting",
     "list_fonts",
-    "match_font",
     "open_font",
 ]
 
@@ -88,7 +87,7 @@ def fonts_with(text: str) -> list[SystemFont]:
         return []
 
 
-def match_font(name: str, number: int = 0) -> tuple[Path, int]:
+def _match_font(name: str, number: int = 0) -> tuple[Path, int]:
     """The file of a font that the system knows by a name, and its face's number.
 
     Raises
@@ -343,7 +342,7 @@ def open_font(
     if not path.exists():
         if path.suffix.lower() in _SUFFIXES:
             raise InputError("{file}: no such file; expected a font", file=path)
-        path, number = match_font(str(name), number)
+        path, number = _match_font(str(name), number)
     hb = import_optional("uharfbuzz")
     face = hb.Face(hb.Blob(_font_data(path)), number)
     with path.open("rb") as file:

@@ -35,7 +35,6 @@ __all__ = [
     "break_line",
     "has_words",
     "is_written_down",
-    "may_break_after",
     "set_text",
     "text_of",
 ]
@@ -226,7 +225,7 @@ _HYPHENS = set("-‐–—")
 _IDEOGRAPHIC_SPACE = "\u3000"
 
 
-def may_break_after(text: str, k: int) -> bool:
+def _may_break_after(text: str, k: int) -> bool:
     """Return whether a line may end after character k of a text, which has more."""
     here, after = text[k], text[k + 1]
     if unicodedata.category(after).startswith("M") or after == "\u200d" or here == "\u2060":
@@ -270,7 +269,7 @@ def break_line(text: str, advances: Sequence[float], length: float) -> list[str]
             width = sum(advances[start : k + 1])
             inked = width
         inked_before = inked
-        if k + 1 < len(text) and advances[k + 1] > 0.0 and may_break_after(text, k):
+        if k + 1 < len(text) and advances[k + 1] > 0.0 and _may_break_after(text, k):
             end = k + 1
     lines.append(text[start:].strip())
     return [line for line in lines if line]

@@ -54,7 +54,7 @@ from paint3d.errors import InputError, Message
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["check_numbers", "check_svg", "in_place", "load_svg", "svg_shape"]
+__all__ = ["load_svg", "svg_shape"]
 
 # ---- Numbers -------------------------------------------------------------------------------------
 # Whether the numbers of a drawing's shapes are numbers: what is none is named, not painted over.
@@ -102,7 +102,7 @@ _VIEW = Message("four numbers, the last two of them, its width and height, above
 _ALIGNMENT = Message("none, or xMidYMid and its like, and meet or slice")
 
 
-def check_numbers(root: ElementTree.Element, name: str) -> None:
+def _check_numbers(root: ElementTree.Element, name: str) -> None:
     """Refuse a drawing of whose shapes a number is none.
 
     Parameters
@@ -259,7 +259,7 @@ _MOST_ELEMENTS = 100_000
 _OUTSIDE = re.compile(r"""url\(\s*['"]?(?!['"]?\s*#)([^)'"]*)|@import\s+([^;]*)""", re.IGNORECASE)
 
 
-def check_svg(data: bytes, name: str) -> ElementTree.Element:
+def _check_svg(data: bytes, name: str) -> ElementTree.Element:
     """Refuse an SVG from strangers that declares entities, refers outside of itself, or explodes.
 
     Parameters
@@ -363,7 +363,7 @@ _NOT_DRAWN = ("marker", "mask", "symbol")
 _SIZES, _PLACE = ("width", "height"), ("x", "y")
 
 
-def in_place(root: Element) -> Element:
+def _in_place(root: Element) -> Element:
     """A drawing whose symbols stand where they are used.
 
     Parameters
@@ -511,9 +511,9 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
             n=len(data),
             most=_MOST_BYTES,
         )
-    root = check_svg(data, path.name)
-    check_numbers(root, path.name)
-    placed = in_place(root)
+    root = _check_svg(data, path.name)
+    _check_numbers(root, path.name)
+    placed = _in_place(root)
     in_numbers(placed)
     _resolve_paints(placed, {element.get("id") for element in root.iter()})
     paths, others = mark_clipped(placed)

@@ -12,7 +12,7 @@ from paint3d.calligraphy.kernels.raster import fill_polygon
 from paint3d.core.arrays import AnyArray
 from paint3d.core.polyline import arc_lengths, interpolate, line_length
 
-__all__ = ["dryness_along", "region_of", "stations_along", "strength_of"]
+__all__ = ["dryness_along", "region_of", "strength_of"]
 
 _APART = 0.6  # stroke widths from station to station
 _FEWEST, _MOST = 4, 32
@@ -22,7 +22,7 @@ _EDGE = 1.5  # pixels of the body's rim that are blurred with the paper
 _EVEN = 0.04  # of unevenness that wet ink has too
 
 
-def stations_along(median: AnyArray, width: float, n: int | None = None) -> NDArray[np.float64]:
+def _stations_along(median: AnyArray, width: float, n: int | None = None) -> NDArray[np.float64]:
     """Even stations (K, 2) along a line, the middles of pieces of equal length.
 
     There are as many as a stroke of that width needs, or `n`.
@@ -67,7 +67,7 @@ def dryness_along(
     rows, columns = np.nonzero(_core(region))
     pixels = np.column_stack([columns + box[1].start, rows + box[0].start]) + 0.5
     width = region.sum() / max(line_length(stroke.median), 1.0)
-    stations = stations_along(stroke.median, width, n)
+    stations = _stations_along(stroke.median, width, n)
     _, nearest = cKDTree(stations).query(pixels)
     covered = np.clip(values[rows, columns] / own / (1.0 - _EVEN), 0.0, 1.0)
     counts = np.bincount(nearest, minlength=len(stations))

@@ -27,7 +27,6 @@ __all__ = [
     "polygons_in",
     "rubbed",
     "unmixed",
-    "without_specks",
 ]
 
 # ---- Bodies of strokes ---------------------------------------------------------------------------
@@ -74,10 +73,10 @@ def bodies_in(mask: NDArray[np.bool_], faint: NDArray[np.bool_], width: float) -
     closed |= _close_gaps(inked, _DRY_GAP * 0.5 * width) & many
     closed |= _find_small_holes(closed, near > _ANY, width)
     closed &= ~_find_counters(closed & ~_close_gaps(mask, _NOTCH * 0.5 * width), mask, width)
-    return without_specks(closed, _BIT * width**2)
+    return _without_specks(closed, _BIT * width**2)
 
 
-def without_specks(mask: AnyArray, least: float) -> NDArray[np.bool_]:
+def _without_specks(mask: AnyArray, least: float) -> NDArray[np.bool_]:
     """A mask without connected bits of fewer pixels."""
     from scipy.ndimage import label
 
@@ -302,7 +301,7 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
             hint="--corners; of a rubbing --invert",
         )
     width = _stroke_width(mask)
-    mask, faint = (without_specks(one, _SPECK * width**2) for one in (mask, faint))
+    mask, faint = (_without_specks(one, _SPECK * width**2) for one in (mask, faint))
     pieces = _pieces_and_holes(mask)
     if mask.sum() < _DITHERED * pieces:
         raise InputError(
@@ -413,7 +412,7 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
     thick = distance_transform_edt(mask) > _THIN * width
     core = distance_transform_edt(~thick) <= _THIN * width
     mask &= distance_transform_edt(~core) <= 2.0 * _THIN * width
-    mask = without_specks(mask, _CHIP * width**2)
+    mask = _without_specks(mask, _CHIP * width**2)
     pieces, n = label(mask, np.ones((3, 3)))
     whiteness = (
         mean(smooth, pieces, np.arange(n + 1)) / np.median(smooth[mask]) if n else np.ones(1)
@@ -421,7 +420,7 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
     is_bit = np.bincount(pieces.ravel()) < _FEW_WIDTHS * width**2
     dropped = whiteness < np.where(is_bit, _WORN_BIT, _WORN)
     body, n_along = _drop_rim_pieces(mask & ~dropped[pieces], inner, _RIM * width)
-    body |= ~without_specks(~body, _HOLE * width**2)
+    body |= ~_without_specks(~body, _HOLE * width**2)
     body = gaussian_filter(body.astype(np.float32), _BLUR * width) > 0.5
     if body.mean() < _LEAST:
         raise InputError(

@@ -33,7 +33,6 @@ __all__ = [
     "find_sheets",
     "flattened",
     "homography",
-    "linear_light",
     "map_points",
     "sheet_size",
     "straightened",
@@ -58,7 +57,7 @@ _CODES = np.arange(256, dtype=np.uint8)
 _ROWS = 256  # that are looked up at once: bounds the memory
 
 
-def linear_light(codes: AnyArray) -> NDArray[np.float32]:
+def _linear_light(codes: AnyArray) -> NDArray[np.float32]:
     """Linear values, 0 to 1, of sRGB codes (uint8)."""
     result: NDArray[np.float32] = decode_srgb(_CODES).astype(np.float32)[codes]
     return result
@@ -144,7 +143,7 @@ def straightened(
     out = np.empty((height, width, 3), np.float32)
     x = np.arange(width) + 0.5
     for channel in range(3):
-        plane = linear_light(pixels[..., channel])
+        plane = _linear_light(pixels[..., channel])
         if shrink > 1.2:  # what the new pixels could not show
             plane = gaussian_filter(plane, 0.4 * math.sqrt(shrink**2 - 1.0), truncate=3.0)
         for first in range(0, height, _ROWS):
@@ -279,7 +278,7 @@ def _compute_planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
     height, width = (n // step * step for n in pixels.shape[:2])
     blocks = pixels[:height, :width].reshape(height // step, step, width // step, step, 3)
     # block by block of rows: never a picture's worth of floats
-    rows = [linear_light(row).mean(axis=(0, 2)) for row in blocks]
+    rows = [_linear_light(row).mean(axis=(0, 2)) for row in blocks]
     light = np.log(np.stack(rows) + 0.01)
     measures = (light.mean(axis=2), light[..., 0] - light[..., 2])
     planes = []

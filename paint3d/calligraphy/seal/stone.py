@@ -36,7 +36,6 @@ __all__ = [
     "STYLES",
     "Seal",
     "cut_drawing",
-    "cut_font",
     "cut_known",
     "cut_seal",
 ]
@@ -117,7 +116,7 @@ def cut_known(
     return _cut_stone(text, style, size_mm, sides, shapes, source.licence)
 
 
-def cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str = "square") -> Seal:
+def _cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str = "square") -> Seal:
     """A seal in the shapes of a font.
 
     Up to four characters of a script that runs in columns stand as in seals; any other text is one
@@ -378,7 +377,7 @@ def cut_seal(
     if font is not None:
         from paint3d.calligraphy.fonts.font_file import open_font
 
-        return cut_font(text, open_font(font, font_number), style, size_mm, shape)
+        return _cut_font(text, open_font(font, font_number), style, size_mm, shape)
     from paint3d.calligraphy.fonts.fallback import with_fallback
     from paint3d.calligraphy.glyph_sources import open_glyphs
 

@@ -14,7 +14,7 @@ from paint3d.calligraphy.shapes.skeleton import Branch, Junction, Skeleton
 from paint3d.core.arrays import AnyArray
 from paint3d.core.polyline import resample
 
-__all__ = ["Chain", "End", "chains_of", "mates_of", "row_products", "turns_between"]
+__all__ = ["Chain", "End", "chains_of", "row_products", "turns_between"]
 
 _MOST_TURN = 50.0  # degrees, of two branches that are one stroke
 _DIRECTION_FROM, _DIRECTION_TO = 1.0, 3.0  # radii beyond a junction where directions are taken
@@ -89,7 +89,7 @@ def chains_of(
     cost : callable, optional
         What is added to the turn of two ends (degrees) where they shall be one stroke.
     """
-    mates = mates_of(skeleton, half_widths, cost)
+    mates = _mates_of(skeleton, half_widths, cost)
     used: set[int] = set()
     chains = []
     free = [(k, s) for k in range(len(skeleton.branches)) for s in (0, 1) if (k, s) not in mates]
@@ -108,7 +108,7 @@ def chains_of(
     return chains
 
 
-def mates_of(
+def _mates_of(
     skeleton: Skeleton,
     half_widths: Callable[[AnyArray], NDArray[np.float64]],
     cost: Callable[[End, End], float] | None = None,

@@ -23,7 +23,6 @@ from paint3d.core.arrays import AnyArray
 from paint3d.core.polyline import line_length, resample
 
 __all__ = [
-    "STARTS",
     "Fit",
     "KnownStrokes",
     "Labelled",
@@ -57,7 +56,7 @@ _SURE, _UNSURE = 1.5, 0.02
 _OUTER = (2.0, 98.0)  # percentiles of the boxes that are laid over each other first
 _STRETCH = (0.4, 2.5)
 _SWASH = 15.0  # percent of a capital's skeleton that may be an ornament on its left
-STARTS = ("box", "slanted", "swash")
+_STARTS = ("box", "slanted", "swash")
 """Ways to lay lines over a skeleton at first, in the order in which they are tried."""
 
 
@@ -284,7 +283,7 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
             tangents.append(np.array([[0.7, -0.7]]))
     goals = np.concatenate(targets), np.concatenate(tangents)
     best: tuple[float, KnownStrokes] | None = None
-    for start in STARTS:
+    for start in _STARTS:
         moved = register(lines, *goals, start=start)
         known = _known_points([resample(line, width / _SAMPLE, 6) for line in moved], width)
         along = [known.costs(one).min(axis=1) for one in targets if len(one) > 1]

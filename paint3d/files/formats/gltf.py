@@ -31,22 +31,13 @@ from paint3d.files.finish import Finish, Texture
 from paint3d.files.raw_mesh import RawMesh, check_count, join_meshes, left_out
 
 __all__ = [
-    "GENERATOR",
-    "INDEX_DATA",
-    "METRE_MM",
     "STEPS",
-    "VERTEX_DATA",
     "GltfFile",
     "GltfPaint",
-    "check_kinds",
     "find_steps",
     "material",
     "read_gltf",
-    "take_steps",
-    "unpack_draco",
     "unpack_meshopt",
-    "vertex_accessor",
-    "write_container",
     "write_glb",
     "write_textured_glb",
 ]
@@ -55,16 +46,16 @@ __all__ = [
 # The GLB container: a JSON document, then the bytes of its buffer views.
 
 
-GENERATOR = "paint3d"
+_GENERATOR = "paint3d"
 """What a file says made it."""
 FLOAT = 5126
 LARGEST = (1 << 32) - 1
-VERTEX_DATA, INDEX_DATA = 34962, 34963
+_VERTEX_DATA, _INDEX_DATA = 34962, 34963
 UNLIT = "KHR_materials_unlit"
 TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
 
 
-def write_container(
+def _write_container(
     path: Path, document: dict[str, Any], blocks: Sequence[tuple[AnyArray | bytes, int | None]]
 ) -> None:
     """Write a scene of one mesh, whose nodes, buffers and views are added to its document.
@@ -93,7 +84,7 @@ def write_container(
         views.append(view | ({} if target is None else {"target": target}))
         end += len(content) + -len(content) % 4
     document = {
-        "asset": {"version": "2.0", "generator": GENERATOR},
+        "asset": {"version": "2.0", "generator": _GENERATOR},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": name}],
@@ -128,7 +119,7 @@ def material(finish: Finish, unlit: bool, **surface: object) -> dict[str, Any]:
     return {"name": finish.name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
 
 
-def vertex_accessor(
+def _vertex_accessor(
     view: int, values: NDArray[np.float32], *, limits: bool = False
 ) -> dict[str, Any]:
     """Return the accessor of float32 numbers (V,) or vectors (V, 2 or 3), with limits if wanted."""
@@ -149,7 +140,7 @@ DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
 _HOW = "pip install 'paint3d[meshes]'"
 
 
-def unpack_draco(
+def _unpack_draco(
     data: bytes, primitive: dict[str, Any], asked: dict[str, int]
 ) -> dict[int, AnyArray]:
     """The values that a packed primitive's accessors stand for.
@@ -316,7 +307,7 @@ PRIMITIVE = {"attributes": dict, "extensions": dict}
 SURFACE = {"baseColorTexture": dict, "baseColorFactor": list}
 
 
-def check_kinds(document: Mapping[str, Any]) -> None:
+def _check_kinds(document: Mapping[str, Any]) -> None:
     """Refuse a document that is of another version, or whose parts are of another kind.
 
     Raises
@@ -392,7 +383,7 @@ class GltfFile:
         self.binary: bytes | None = None
         text = self._open_container(data) if data[:4] == b"glTF" else data
         self.document = parse_json(text)
-        check_kinds(self.document)
+        _check_kinds(self.document)
         self._buffers: dict[int, bytes] = {}
         self._unpacked: dict[int, AnyArray] = {}
         self._views: dict[int, bytes] = {}
@@ -494,7 +485,7 @@ class GltfFile:
         if not isinstance(packed, dict) or not isinstance(packed.get("attributes"), dict):
             raise MeshError("its Draco extension is no object with attributes")
         data = self.view_bytes(packed["bufferView"])
-        self._unpacked |= unpack_draco(data, primitive, packed["attributes"])
+        self._unpacked |= _unpack_draco(data, primitive, packed["attributes"])
 
     def _view(self, index: int, start: int, dtype: np.dtype, width: int, count: int) -> AnyArray:
         """Return (count, width) values of a buffer view, without copying."""
@@ -597,7 +588,7 @@ def _check_unpacked(values: AnyArray, accessor: dict[str, Any]) -> AnyArray:
 
 
 STEPS = "_POSITION_STEPS"
-METRE_MM = 1000.0
+_METRE_MM = 1000.0
 _PLACES = np.array([9, 3, 1])  # of x, y and z in a code: their steps from -1 to 1, in base 3
 _MIDDLE = 13
 
@@ -627,16 +618,16 @@ def find_steps(
     return result
 
 
-def take_steps(metres: NDArray[np.float64], codes: NDArray[np.float64]) -> NDArray[np.float64]:
+def _take_steps(metres: NDArray[np.float64], codes: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return metres (V, 3) that give back, in float32, the mm that `find_steps` was told (V,)."""
     known = np.clip(np.nan_to_num(codes), -_MIDDLE, _MIDDLE)
     steps = (np.rint(known).astype(np.int32) + _MIDDLE)[:, None] // _PLACES % 3 - 1
     mm = (_in_mm(metres).view(np.int32) + steps.astype(np.int32)).view(np.float32)
-    return np.where(steps == 0, metres, mm.astype(np.float64) / METRE_MM)
+    return np.where(steps == 0, metres, mm.astype(np.float64) / _METRE_MM)
 
 
 def _in_mm(metres: NDArray[np.floating]) -> NDArray[np.float32]:
-    return (metres.astype(np.float64) * METRE_MM).astype(np.float32)
+    return (metres.astype(np.float64) * _METRE_MM).astype(np.float32)
 
 
 # ---- Reading -------------------------------------------------------------------------------------
@@ -682,7 +673,7 @@ class GltfPaint:
         self._file = file
         asset = file.document.get("asset")
         generator = str(asset.get("generator")) if isinstance(asset, dict) else ""
-        self._is_own = generator == GENERATOR
+        self._is_own = generator == _GENERATOR
         self._srgb_writer = next((name for name in SRGB_WRITERS if name in generator), None)
         self._pictures: dict[int, NDArray[np.uint8] | None] = {}
         self._known: dict[int, tuple[int, dict[str, Any]]] = {}
@@ -865,7 +856,7 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
             )
     return replace(
         join_meshes(parts),
-        unit_mm=METRE_MM,
+        unit_mm=_METRE_MM,
         up="y",
         notes=(*dict.fromkeys(paint.notes), *left_out(_find_dropped(file) | paint.dropped)),
         looks=tuple(paint.looks),
@@ -995,7 +986,7 @@ def _read_primitive(
                     name=name,
                 )  # fmt: skip
     if STEPS in others:
-        vertices = take_steps(vertices, others[STEPS][:, 0])
+        vertices = _take_steps(vertices, others[STEPS][:, 0])
     colours = None
     if "COLOR_0" in others:
         colours = paint.vertex_colours(others["COLOR_0"])
@@ -1091,14 +1082,14 @@ def write_glb(
     attributes = {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}
     colours = {"bufferView": 2, "componentType": UNSIGNED_SHORT, "count": len(srgb)}
     accessors = [
-        vertex_accessor(0, vertices, limits=True),
-        vertex_accessor(1, normals),
+        _vertex_accessor(0, vertices, limits=True),
+        _vertex_accessor(1, normals),
         colours | {"type": "VEC4", "normalized": True},
         _index_accessor(faces),
     ]
     blocks: list[tuple[AnyArray | bytes, int | None]]
-    blocks = [(vertices, VERTEX_DATA), (normals, VERTEX_DATA), (_linear_rgba(srgb), VERTEX_DATA)]
-    blocks.append((faces.astype("<u4"), INDEX_DATA))
+    blocks = [(vertices, _VERTEX_DATA), (normals, _VERTEX_DATA), (_linear_rgba(srgb), _VERTEX_DATA)]
+    blocks.append((faces.astype("<u4"), _INDEX_DATA))
     _add_steps(steps, attributes, accessors, blocks)
     surface: dict[str, Any] = {"baseColorFactor": PLAIN_WHITE}
     more: dict[str, Any] = {}
@@ -1109,7 +1100,7 @@ def write_glb(
     meshes = [{"name": finish.name, "primitives": [_written_primitive(attributes)]}]
     materials = [material(finish, unlit, **surface)]
     document = {"meshes": meshes, "materials": materials, "accessors": accessors, **more}
-    write_container(path, document, blocks)
+    _write_container(path, document, blocks)
 
 
 def _add_roughness_scale(
@@ -1123,8 +1114,8 @@ def _add_roughness_scale(
     positions = np.full((len(roughness), 2), 0.5, "<f4")
     positions[:, 0] = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
     attributes["TEXCOORD_0"] = len(accessors)
-    accessors.append(vertex_accessor(len(blocks), positions))
-    blocks += [(positions, VERTEX_DATA), (png, None)]
+    accessors.append(_vertex_accessor(len(blocks), positions))
+    blocks += [(positions, _VERTEX_DATA), (png, None)]
     return {
         "textures": [{"sampler": 0, "source": 0}],
         "images": [{"bufferView": len(blocks) - 1, "mimeType": "image/png"}],
@@ -1164,14 +1155,14 @@ def write_textured_glb(
         surface["metallicRoughnessTexture"] = {"index": 1}
         finish = finish._replace(roughness=1.0)  # what the texture's is multiplied by
     accessors = [
-        vertex_accessor(0, vertices, limits=True),
-        vertex_accessor(1, normals),
-        vertex_accessor(2, texture.uv),
+        _vertex_accessor(0, vertices, limits=True),
+        _vertex_accessor(1, normals),
+        _vertex_accessor(2, texture.uv),
         _index_accessor(faces),
     ]
     blocks: list[tuple[AnyArray | bytes, int | None]]
-    blocks = [(array, VERTEX_DATA) for array in (vertices, normals, texture.uv)]
-    blocks += [(faces.astype("<u4"), INDEX_DATA), *((png, None) for png in images)]
+    blocks = [(array, _VERTEX_DATA) for array in (vertices, normals, texture.uv)]
+    blocks += [(faces.astype("<u4"), _INDEX_DATA), *((png, None) for png in images)]
     _add_steps(steps, attributes, accessors, blocks)
     document = {
         "meshes": [{"name": finish.name, "primitives": [_written_primitive(attributes)]}],
@@ -1181,7 +1172,7 @@ def write_textured_glb(
         "samplers": [{"magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP, "wrapT": CLAMP}],
         "accessors": accessors,
     }
-    write_container(path, document, blocks)
+    _write_container(path, document, blocks)
 
 
 def _roughness_codes(values: AnyArray) -> NDArray[np.uint8]:
@@ -1236,5 +1227,5 @@ def _add_steps(
     """Add the attribute that leads back to millimetres, if there is any."""
     if steps is not None:
         attributes[STEPS] = len(accessors)
-        accessors.append(vertex_accessor(len(blocks), steps))
-        blocks.append((steps, VERTEX_DATA))
+        accessors.append(_vertex_accessor(len(blocks), steps))
+        blocks.append((steps, _VERTEX_DATA))

@@ -25,7 +25,7 @@ from paint3d.files.contents import path_beside, plain_text, read_beside
 from paint3d.files.formats.text_rows import UNIT_NAMES, text_rows
 from paint3d.files.raw_mesh import RawMesh, index_array, left_out, parse_numbers
 
-__all__ = ["ObjLooks", "obj_looks", "read_obj", "write_obj"]
+__all__ = ["ObjLooks", "read_obj", "write_obj"]
 
 # ---- Materials -----------------------------------------------------------------------------------
 # Diffuse colours and pictures of OBJ materials (.mtl), face by face.
@@ -85,7 +85,7 @@ class ObjLooks:
     dropped: frozenset[Message]
 
 
-def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) -> ObjLooks:
+def _obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) -> ObjLooks:
     """Return the looks of an OBJ's faces; none where it names no material that could be read.
 
     A texture replaces the diffuse colour.
@@ -328,7 +328,7 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         )
         notes += left_out(dropped)
         return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes)
-    looks = obj_looks(lines, sizes, folder)
+    looks = _obj_looks(lines, sizes, folder)
     more_notes = looks.notes + left_out(dropped | looks.dropped)
     if is_coloured(colours):  # a material that says nothing stands beside them in many files
         if any(look.picture is not None or min(look.factor) < 1.0 for look in looks.looks):

@@ -37,11 +37,7 @@ __all__ = [
     "PlyLooks",
     "Property",
     "Tables",
-    "has_face_colours",
-    "picture_names",
-    "ply_looks",
     "read_ply",
-    "read_tables",
     "write_ply",
 ]
 
@@ -65,18 +61,18 @@ class PlyLooks:
     notes: tuple[Message, ...] = ()
 
 
-def picture_names(tables: Tables) -> list[str]:
+def _picture_names(tables: Tables) -> list[str]:
     """Names of the pictures that the header speaks of."""
     words = (comment.partition(" ") for comment in tables.comments)
     return [name.strip() for word, _, name in words if word == KEYWORD]
 
 
-def has_face_colours(tables: Tables) -> bool:
+def _has_face_colours(tables: Tables) -> bool:
     """Return whether the faces have colours of their own."""
     return any(_colour_names(e) for e in tables.elements if e.name == "face")
 
 
-def ply_looks(
+def _ply_looks(
     tables: Tables, corners: NDArray[np.int64], sizes: NDArray[np.int64], folder: Path
 ) -> PlyLooks:
     """Return what the faces look like: their pictures, else their own colours.
@@ -95,7 +91,7 @@ def ply_looks(
         Of the file; pictures elsewhere are not followed.
     """
     faces = [e for e in tables.elements if e.name == "face" and e.list_sizes]
-    names = picture_names(tables)
+    names = _picture_names(tables)
     if not names or len(faces) > 1:
         return _read_face_colours(faces, sizes)
     uv = _read_uv(tables, faces, corners, sizes)
@@ -229,7 +225,7 @@ class Tables(NamedTuple):
     unknown: tuple[str, ...]
 
 
-def read_tables(data: bytes, wanted: Collection[str]) -> Tables:
+def _read_tables(data: bytes, wanted: Collection[str]) -> Tables:
     """Read the elements of a PLY file as far as the last one whose name is wanted.
 
     Raises
@@ -490,7 +486,7 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     MeshError
         If the header is not PLY's, or the body does not hold what the header promises.
     """
-    tables = read_tables(data, WANTED)
+    tables = _read_tables(data, WANTED)
     vertex = next((e for e in tables.elements if e.name == "vertex"), None)
     if vertex is None or not {"x", "y", "z"} <= set(vertex.values):
         raise MeshError("no vertex positions; expected an element vertex with x, y and z")
@@ -505,12 +501,12 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         [Message("lines")] if any(e.name == "edge" and e.count for e in tables.elements) else []
     )
     if texture and len(sizes):
-        looks = ply_looks(tables, corners, sizes, folder)
+        looks = _ply_looks(tables, corners, sizes, folder)
         notes += looks.notes
     else:
         looks = PlyLooks()
-        dropped += [Message("its pictures")] if picture_names(tables) else []
-        dropped += [FACE_COLOURS] if has_face_colours(tables) else []
+        dropped += [Message("its pictures")] if _picture_names(tables) else []
+        dropped += [FACE_COLOURS] if _has_face_colours(tables) else []
     dropped += [VERTEX_COLOURS] if looks.looks and is_coloured(colours) else []
     dropped += [
         Message("what it calls {names}", names=", ".join(names)[:60])

@@ -32,7 +32,6 @@ __all__ = [
     "Records",
     "child_records",
     "pack_normals",
-    "parse_records",
     "read_records",
     "read_records_here",
     "read_records_mesh",
@@ -176,12 +175,12 @@ def read_records_here(path: Path) -> Records:
         As `read_records`.
     """
     try:
-        return parse_records(read_contents(path, MAX_BYTES))
+        return _parse_records(read_contents(path, MAX_BYTES))
     except MeshError as cause:
         raise MeshError("{file}: {cause}", file=path, cause=cause) from None
 
 
-def parse_records(data: bytes) -> Records:
+def _parse_records(data: bytes) -> Records:
     """Return the records in a file's bytes.
 
     Raises
@@ -311,7 +310,7 @@ def read_records_mesh(data: bytes) -> RawMesh:
     MeshError
         With the number of the line that is not as expected.
     """
-    records = parse_records(data)
+    records = _parse_records(data)
     faces = np.empty((0, 3), np.int64) if records.faces is None else records.faces
     announces = "" if records.faces is None else Message("faces")
     return RawMesh.of_triangles(

@@ -35,7 +35,6 @@ from paint3d.pose.steering import ObjectPose, apply_action
 from paint3d.pose.two_hands import TwoHands
 
 __all__ = [
-    "DOCUMENT_COMMANDS",
     "DeviceHub",
     "DeviceView",
     "Feeling",
@@ -48,7 +47,7 @@ __all__ = [
     "went_down",
 ]
 
-DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "redo"}
+_DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "redo"}
 """Actions of buttons that are commands of a `Document`; the others steer the object."""
 
 _SETTLE_NS = 10_000_000  # how long a device may be late before its readings are merged
@@ -308,8 +307,8 @@ class DeviceHub:
 
     def _run_action(self, action: str) -> list[str]:
         """Do what concerns the object; what concerns the document."""
-        if action in DOCUMENT_COMMANDS:
-            return [DOCUMENT_COMMANDS[action]]
+        if action in _DOCUMENT_COMMANDS:
+            return [_DOCUMENT_COMMANDS[action]]
         if action == "recentre":
             self.hands.set_object_pose(ObjectPose())
         elif action == "calibrate_rest":

@@ -40,11 +40,7 @@ __all__ = [
     "Hand",
     "HandSettings",
     "PointerInput",
-    "any_tangent",
-    "held_over",
-    "lean_of",
     "root_over",
-    "turned_with",
 ]
 
 # ---- How the brush stands ------------------------------------------------------------------------
@@ -55,7 +51,7 @@ _MOST_LEAN = math.radians(60.0)
 _STEEPEST_TILT = 85.0  # degrees that a tablet may say
 
 
-def lean_of(
+def _lean_of(
     normal: AnyArray,
     right: Sequence[float] | AnyArray | None,
     up: Sequence[float] | AnyArray | None,
@@ -91,7 +87,7 @@ def lean_of(
     return math.cos(angle) * normal + math.sin(angle) / length * aside
 
 
-def held_over(lean: AnyArray, normal: AnyArray) -> AnyArray:
+def _limited_lean(lean: AnyArray, normal: AnyArray) -> AnyArray:
     """Handle's direction, limited to 60 degrees from a normal that turns towards it.
 
     Parameters
@@ -102,11 +98,11 @@ def held_over(lean: AnyArray, normal: AnyArray) -> AnyArray:
     along = float(lean @ normal)
     if along >= math.cos(_MOST_LEAN) - 1e-9:
         return lean
-    aside = any_tangent(normal, lean)
+    aside = _any_tangent(normal, lean)
     return math.cos(_MOST_LEAN) * normal + math.sin(_MOST_LEAN) * aside
 
 
-def turned_with(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray:
+def _turned_between(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray:
     """Turn a vector as one normal turns into another, the shortest way.
 
     Parameters
@@ -116,10 +112,11 @@ def turned_with(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray
     vector : (3,)
     """
     both = before + after
-    fraction = 0.5 * float(both @ both)  # 1 + the cosine between them
-    if fraction < 1e-9:
+    one_plus_cosine = 0.5 * float(both @ both)
+    if one_plus_cosine < 1e-9:
         return vector
-    return vector - float(both @ vector) / fraction * both + 2.0 * float(before @ vector) * after
+    across = float(both @ vector) / one_plus_cosine
+    return vector - across * both + 2.0 * float(before @ vector) * after
 
 
 def root_over(
@@ -172,7 +169,7 @@ def _middle_reach(tuft: Tuft, descent: float, tilt: float, pressure: float) -> f
     return 0.5 * float(reach[0] + reach[n - 1]) if n else 0.0
 
 
-def any_tangent(normal: AnyArray, wanted: AnyArray) -> AnyArray:
+def _any_tangent(normal: AnyArray, wanted: AnyArray) -> AnyArray:
     """Unit vector across the normal that is nearest to the wanted one."""
     for candidate in (wanted, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
         across = candidate - (candidate @ normal) * normal
@@ -542,7 +539,7 @@ class Hand:
             fraction = k / n
             point, normal = self._on_surface(last.point + fraction * step)
             normal = self._normal_under(point, normal, brush)
-            lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
+            lean = _lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
             stands.append(
                 replace(
                     stand,
@@ -576,7 +573,7 @@ class Hand:
             return None
         point, normal = meeting
         if state is None:
-            tip = point + any_tangent(normal, np.zeros(3))
+            tip = point + _any_tangent(normal, np.zeros(3))
             state = self._state = _StrokeState(event.time_ns, point, point, point, normal, tip)
         if seconds > 0.0:  # the speed is a mean over the last hundredths of a second
             speed = length_of(point - state.target) / seconds
@@ -599,7 +596,7 @@ class Hand:
                 point, normal = self._on_surface(state.point + (1.0 - string / distance) * step)
         normal = self._normal_under(point, normal, brush)
         state.point, state.normal = point, normal
-        lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
+        lean = _lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
         return _Stand(
             event.time_ns,
             state.goal,
@@ -610,17 +607,19 @@ class Hand:
             None if event.rotation is None else math.radians(event.rotation),
             self._pressure(event) if pressed else 0.0,
             event.buttons,
-            None if event.bend is None else any_tangent(normal, as_array(event.bend, "bend", (3,))),
+            None
+            if event.bend is None
+            else _any_tangent(normal, as_array(event.bend, "bend", (3,))),
         )
 
     def _resting_direction(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
         """Direction of a tip that nothing drags: away from the lean, else up left as seen."""
         aside = lean - (lean @ normal) * normal
         if length_of(aside) > _LEANS:
-            return any_tangent(normal, -aside)
+            return _any_tangent(normal, -aside)
         if event.right is None or event.up is None:
-            return any_tangent(normal, self._now.tip - self._now.point)
-        return any_tangent(normal, np.subtract(event.up, event.right))
+            return _any_tangent(normal, self._now.tip - self._now.point)
+        return _any_tangent(normal, np.subtract(event.up, event.right))
 
     # -- coming down ------------------------------------------------------------------------
 
@@ -648,9 +647,9 @@ class Hand:
         first = stands[0]
         step = stands[-1].target - first.point
         moved = length_of(step) >= _LEAST_DIRECTION * self._trail(brush)
-        back = any_tangent(first.normal, -step) if moved else first.rest
+        back = _any_tangent(first.normal, -step) if moved else first.rest
         if stands[-1].bend is not None:
-            back = any_tangent(first.normal, stands[-1].bend)
+            back = _any_tangent(first.normal, stands[-1].bend)
         self._now.tip = first.point + self._trail(brush) * back
         self._last = first
         samples = []
@@ -666,7 +665,7 @@ class Hand:
         come to lie under the brush, and point along the edge.
         """
         state, last, trail = self._now, self._latest, self._trail(brush)
-        back = turned_with(last.normal, stand.normal, state.tip - last.point)
+        back = _turned_between(last.normal, stand.normal, state.tip - last.point)
         step = stand.point - last.point
         back = back - length_of(step) * _project_along(stand.normal, step)
         back = back - (back @ stand.normal) * stand.normal
@@ -701,7 +700,7 @@ class Hand:
         The places on its rim lie a little under the surface, so that those beyond an edge are
         nearest to the other face.
         """
-        ahead = any_tangent(normal, np.array([1.0, 0.0, 0.0]))
+        ahead = _any_tangent(normal, np.array([1.0, 0.0, 0.0]))
         rim = _RIM @ np.stack([ahead, cross(normal, ahead)]) - _SUNK * normal
         normals = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
         mean = 2.0 * normal + normals[normals @ normal > _OTHER_SIDE].sum(axis=0)
@@ -785,16 +784,18 @@ class Hand:
 
     def _sample(self, stand: _Stand, brush: BrushSpec, lifted: bool = False) -> DeviceSample:
         normal = stand.normal
-        z = held_over(stand.lean, normal)  # gliding and lifted it comes to where others were right
+        z = _limited_lean(
+            stand.lean, normal
+        )  # gliding and lifted it comes to where others were right
         if stand.twist is None:  # laid on the surface, the bend is along the trailing tip
-            bend = any_tangent(normal, self._now.tip - stand.point)
+            bend = _any_tangent(normal, self._now.tip - stand.point)
             x = bend - (bend @ z) / (normal @ z) * normal
             x /= length_of(x)
         else:
-            vector = any_tangent(z, np.array([1.0, 0.0, 0.0]))
+            vector = _any_tangent(z, np.array([1.0, 0.0, 0.0]))
             angle = -stand.twist
             x = math.cos(angle) * vector + math.sin(angle) * cross(z, vector)
-            bend = any_tangent(normal, x)
+            bend = _any_tangent(normal, x)
         orientation = quaternions_from_matrices(np.stack([x, cross(z, x), z], axis=-1)[None])[0]
         root = root_over(brush, stand.point, normal, bend, z, stand.pressure)
         if lifted:

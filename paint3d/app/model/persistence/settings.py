@@ -32,7 +32,6 @@ from paint3d.pose.mouse_settings import MouseSettings
 
 __all__ = [
     "Settings",
-    "calibration_file",
     "load_settings",
     "save_settings",
     "store_calibration",
@@ -373,7 +372,7 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
 # Where devices stand in the world, kept in the user's settings folder by device.
 
 
-def calibration_file(key: str) -> Path:
+def _calibration_file(key: str) -> Path:
     """Path of a device's calibration, by its key (`FoundStylus.key`)."""
     return config_folder() / "calibrations" / f"{key}.json"
 
@@ -386,7 +385,7 @@ def stored_calibration(key: str) -> DeviceCalibration | None:
     DeviceError
         If the file is none.
     """
-    file = calibration_file(key)
+    file = _calibration_file(key)
     return load_calibration(file) if file.is_file() else None
 
 
@@ -398,7 +397,7 @@ def store_calibration(key: str, calibration: DeviceCalibration) -> Path:
     DeviceError
         If it cannot be written.
     """
-    file = calibration_file(key)
+    file = _calibration_file(key)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
     except OSError as cause:
