@@ -476,7 +476,7 @@ class _Paper:
     def beside(
         self, point: AnyArray, away: float, aside: AnyArray, onward: AnyArray
     ) -> tuple[AnyArray, AnyArray]:
-        """The place so far (mm) aside of one (3,), and which way is onward there.
+        """The point so far (mm) aside of one (3,), and the direction onward there.
 
         On a folding fan that is to where its ribs meet.
         """

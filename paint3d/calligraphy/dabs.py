@@ -65,7 +65,7 @@ def dabs_in(
     painted = np.zeros_like(wanted)
     for path in paths:
         _covered_mask(path, footprints, grid, painted)
-    found: list[StrokePath] = []
+    all_dabs: list[StrokePath] = []
     tried = np.zeros_like(wanted)
     for _ in range(_ROUNDS):
         dabs = []
@@ -79,10 +79,10 @@ def dabs_in(
             if (patch & painted).sum() - before < _WORTH * patch.sum():
                 tried |= patch
             dabs.append(dab)
-        found += dabs
-        if not dabs or len(found) > _MOST:
+        all_dabs += dabs
+        if not dabs or len(all_dabs) > _MOST:
             break
-    return _order_by_nearness(found[:_MOST], paths[-1].centre[-1])
+    return _order_by_nearness(all_dabs[:_MOST], paths[-1].centre[-1])
 
 
 def loads_of(

@@ -70,7 +70,7 @@ class Ring:
     ----------
     surface : ClosestPoints
     right, left : SurfaceLine
-        From one place; either may go astray on a handle.
+        From one point; either may go astray on a handle.
     up : (3,) array_like
     em_mm : float
         Of what is to stand on it.

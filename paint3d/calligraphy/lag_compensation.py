@@ -4,7 +4,7 @@ The contact Q lies at the slack l(D_s) from the handle's foot H and moves toward
 footprint's centre lies between them, at its reach from H: if the centre shall follow a line, Q
 follows the centre at the distance that is left, and H stands ahead of both. How the tuft really
 turns, and where the paper holds its tip, is then asked of the laws themselves, and the footprints
-are fitted to that. Deeper footprints are turned and held otherwise, so this goes on in rounds, in
+are fitted to that. Deeper footprints are turned and tilted otherwise, so this goes on in rounds, in
 each of which the levels follow by a fraction only.
 """
 

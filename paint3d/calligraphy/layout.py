@@ -97,7 +97,7 @@ def frames_to_try(surface: ClosestPoints, side: str | None) -> Iterator[SurfaceF
     surface : ClosestPoints
     side : {"outside", "inside", "top", "bottom", "front", "right", "back", "left"}, optional
         From where one looks; by default the object's usual side first, then the others, and at
-        last places spread evenly over its area, which no side may show.
+        last positions spread evenly over its area, which no side may show.
     """
     usual = "top" if is_flat(surface) else "outside"
     sides = [side] if side is not None else [usual, *(s for s in SIDES if s != usual)]
@@ -142,8 +142,8 @@ _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
 _FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text
 _MIDDLE = (0.5, 0.5)
-_WITHIN = 1e-6  # of a panel: how far from its rim a place between panels goes
-_MOST_GRIDS = 8  # places without enough room after which the search is given up
+_WITHIN = 1e-6  # of a panel: how far from its rim a point between panels goes
+_MOST_GRIDS = 8  # positions without enough room after which the search is given up
 _SMALLER_FRACTIONS = (0.85, 0.7, 0.55, 0.4)  # of the em, tried in turn for what may be proposed
 _TURNS_ASIDE = (0.0625, -0.0625, 0.125, -0.125, 0.1875, -0.1875, 0.25, -0.25, 0.375, -0.375, 0.5)
 _MOST_SPREAD = 1.5  # of the distance of columns: how far a text is spread along a free arc
@@ -248,7 +248,7 @@ class WritingArea:
         return upright_frame(self.surface, origin, self.upright(normal, layout))
 
     def upright(self, normal: AnyArray, layout: Layout) -> Upright:
-        """Direction of up around a place of a normal (3,)."""
+        """Direction of up around a point of a normal (3,)."""
         return Upright(upwards(normal), self.apex, math.radians(layout.turn))
 
 
@@ -281,7 +281,7 @@ def find_writing_areas(
 def places_for(
     surface: ClosestPoints, at: tuple[float, float] | None, side: str | None
 ) -> Iterator[SurfaceFrame]:
-    """Frames where what is laid on an object may go: at a place, or one after another.
+    """Frames where what is laid on an object may go: at a position, or one after another.
 
     Raises
     ------
@@ -302,7 +302,7 @@ def _panels(mesh: TriangleMesh, within_margins: bool) -> tuple[WritingArea, ...]
     return tuple(WritingArea(ClosestPoints(area.mesh), area.apex) for area in areas)
 
 
-# ---- Characters in their places ------------------------------------------------------------------
+# ---- Characters in their squares -----------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -424,7 +424,7 @@ def _lay_on(
 
 @lru_cache(maxsize=1)
 def _middle_grid(area: WritingArea, em_mm: float, layout: Layout, limits: SquareLimits) -> _Grid:
-    """The grid around the middle; the last is kept, as texts on one object often follow."""
+    """The grid around the middle; the last is cached, as texts on one object often follow."""
     return _Grid(area, em_mm, layout, limits, area.middle(layout))
 
 
@@ -436,7 +436,7 @@ def _search_places(
     limits: SquareLimits,
     fault: Paint3DError,
 ) -> list[PlacedCharacter]:
-    """The squares of a text at the first place where it fits; the middle has that fault."""
+    """The squares of a text at the first position where it fits; the middle has that fault."""
     roomiest: _Grid | None = None
     n_seen = n_tried = 0
     for frame in frames_to_try(area.surface, layout.side):
@@ -467,7 +467,7 @@ def _search_places(
 def with_suggestion(
     fault: InputError, em_mm: float, layout: Layout, fits: Callable[[float, Layout], bool]
 ) -> InputError:
-    """A fault with a smaller size, and a place beside the one asked for, at which a text fits.
+    """A fault with a smaller size, and a position beside the one asked for, at which a text fits.
 
     Without them where a hand moves the text about, who sees where it fits.
 
@@ -515,7 +515,7 @@ def with_suggestion(
 
 
 def _with_place(fault: InputError, u: float, v: float) -> InputError:
-    """A fault with a place at which a text of this size fits."""
+    """A fault with a position at which a text of this size fits."""
     message = Message("{cause}; this size would fit at {u:g},{v:g}", cause=fault.message, u=u, v=v)
     return type(fault)(message, hint=fault.hint)
 
@@ -578,7 +578,7 @@ def start_around(
 
 @dataclass(eq=False)
 class TextPlace:
-    """A place of a surface that text is laid around, and the lines that go from there."""
+    """A point of a surface that text is laid around, and the lines that go from there."""
 
     area: WritingArea
     em_mm: float
@@ -591,7 +591,7 @@ class TextPlace:
         self.surface = self.area.surface
         self.up = self.area.upright(self.middle.normal, self.layout)
         self._climbs: dict[float, SurfaceLine] = {}
-        self._free: dict[tuple[float, float], FreeArc | None] = {}  # arcs that were found
+        self._free: dict[tuple[float, float], FreeArc | None] = {}  # arcs that are known
         self.for_brush = self.limits
         if self.layout.brush_mm is not None:
             self.for_brush = replace(self.limits, room_mm=self.layout.brush_mm)
@@ -657,7 +657,7 @@ class TextPlace:
 
 
 class _Grid(TextPlace):
-    """The grid of squares around one place of a surface."""
+    """The grid of squares around one point of a surface."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -675,7 +675,7 @@ class _Grid(TextPlace):
 
     @cached_property
     def span(self) -> tuple[float, float]:
-        """Lowest and highest place (mm up from the middle) where a square can be laid."""
+        """Lowest and highest position (mm up from the middle) where a square can be laid."""
         return self._reach(self._start, -1.0), self._reach(self._start, 1.0)
 
     def find_arc(self, block: float) -> FreeArc | None:
@@ -686,7 +686,7 @@ class _Grid(TextPlace):
         return self.find_free_arc(self.ring, top - block, top)
 
     def in_the_way_error(self, fault: InputError, arc: FreeArc, lines: Sequence[str]) -> InputError:
-        """A fault with what is in the way, and with a place that would do where one was asked."""
+        """A fault with what is in the way, and a position that would do where one was asked for."""
         error = in_the_way_error(fault, arc.obstacle)
         if self.ring is None or self.layout.at is None:
             return error
@@ -714,7 +714,7 @@ class _Grid(TextPlace):
     # -- how many fit -----------------------------------------------------------------------
 
     def _first_usable(self) -> float:
-        """The place nearest to the middle, up or down, where a square can be laid."""
+        """The position nearest to the middle, up or down, where a square can be laid."""
         if self.layout.is_placed:
             self._square(self.middle.origin)
             return 0.0
@@ -732,7 +732,7 @@ class _Grid(TextPlace):
         raise fault or MeshError("{object}: no place to write", object=self.surface.mesh.name)
 
     def _reach(self, start: float, sign: float) -> float:
-        """Farthest place (mm up from the middle) where a square can lie, to a 40th of the em."""
+        """Farthest position (mm up from the middle) where a square can lie, to a 40th of the em."""
         line = self.climb(sign)
         known, step = start, 0.5 * self.em_mm
         while step > self.em_mm / 50.0:
@@ -889,7 +889,7 @@ class _Grid(TextPlace):
         return squares
 
     def _column(self, across: float, top: float, bottom: float) -> tuple[SurfaceLine, SurfaceLine]:
-        """The lines up and down from the place so many mm to the right of the middle."""
+        """The lines up and down from the point so many mm to the right of the middle."""
         if self.ring is not None:
             frame = self.frame(self.ring.at(across))
             up = self.walk(frame, (0.0, 1.0), max(top, 0.0))

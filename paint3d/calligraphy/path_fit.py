@@ -188,7 +188,7 @@ class PathFitter:
         )
 
     def follow(self, line: CentreLine, known: FittedLine | None = None) -> FittedLine:
-        """The path along a line; what is known of one that it shares samples with is kept."""
+        """The path along a line; what is known of one that it shares samples with is reused."""
         gap = _rate_directions(line, self, known)
         chosen = _choose_path(line, gap, self)
         shift = _balance_edges(line, self, chosen, known)

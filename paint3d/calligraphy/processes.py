@@ -22,7 +22,7 @@ from paint3d.errors import Paint3DError
 __all__ = ["in_processes", "serve"]
 
 _PATIENCE = 10  # of niceness
-_Answer = tuple[int, object, Exception | None]  # the item's number, what was found, what failed
+_Answer = tuple[int, object, Exception | None]  # the item's number, its result, its error
 _Given = TypeVar("_Given")
 _Found = TypeVar("_Found")
 
@@ -39,7 +39,7 @@ def in_processes(
     *,
     is_patient: bool = False,
 ) -> Generator[_Found]:
-    """Yield what `work` gives for each item, in their order, found by `n` processes.
+    """Yield what `work` gives for each item, in their order, computed by `n` processes.
 
     All of it must be such as can be sent to another process. With `is_patient` they give way to
     others.

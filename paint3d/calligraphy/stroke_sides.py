@@ -131,7 +131,7 @@ def stroke_polygon(feet: AnyArray, prints: list[Footprint]) -> Polygon:
 
 
 def _thin_out(feet: AnyArray, prints: list[Footprint]) -> tuple[AnyArray, list[Footprint]]:
-    """Leave out footprints that hardly differ from the last one kept."""
+    """Leave out footprints that hardly differ from the last one that stays."""
     retained = [0]
     outlines = [_extreme_points(f) + foot for f, foot in zip(prints, feet, strict=True)]
     for k in range(1, len(prints)):

@@ -361,7 +361,7 @@ def _count_through(
 
 @lru_cache(maxsize=1)
 def _surface_of(mesh: TriangleMesh) -> ClosestPoints:
-    """The mesh's closest points; the last are kept, as texts on one object often follow."""
+    """The mesh's closest points; the last are cached, as texts on one object often follow."""
     return ClosestPoints(mesh)
 
 
@@ -386,7 +386,7 @@ class _Plans:
             return self._cached.get(key)
 
     def keep(self, key: bytes, motion: Motion) -> None:
-        """Keep it, in the place of the one that was used least lately."""
+        """Cache it, in place of the one that was used least lately."""
         with self._lock:
             self._cached[key] = motion
             while len(self._cached) > _MOST_PLANS:

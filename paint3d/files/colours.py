@@ -69,7 +69,7 @@ def colour_shares(
 ) -> tuple[NDArray[np.float64] | None, tuple[Message, ...]]:
     """Return colours of any type from 0 to 1, and what was done to them.
 
-    Whether the numbers run to 1, 255, 65,535 or 2^32 - 1 is told by the numbers themselves, also
+    Whether the numbers run to 1, 255, 65,535 or 2^32 - 1 is seen from the numbers themselves, also
     those of opacities, which are 255 beside the darkest codes: many programs write codes of a byte
     as integers or floats of another size. A note says so where it is not the range that is
     expected. Colours that are not finite become white; what is a little
@@ -188,7 +188,7 @@ class Look:
     wrap: tuple[str, str] = REPEAT
 
     def at(self, uv: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return linear colours (N, 3) at places (N, 2) counted from the upper left corner."""
+        """Return linear colours (N, 3) at points (N, 2) counted from the upper left corner."""
         if self.picture is None:
             return np.broadcast_to(np.array(self.factor, np.float64), (len(uv), 3))
         return sample_picture(self.picture, uv, self.wrap) * self.factor
@@ -201,7 +201,7 @@ class Look:
         return np.stack([codes[self.picture[..., k], k] for k in range(3)], axis=-1)
 
     def codes_at(self, uv: AnyArray) -> NDArray[np.uint8]:
-        """Return the sRGB codes (N, 3) of the picture's nearest pixels to places (N, 2)."""
+        """Return the sRGB codes (N, 3) of the picture's nearest pixels to points (N, 2)."""
         height, width = self._coded.shape[:2]
         columns = _nearest_pixel(uv[:, 0], width, self.wrap[0])
         rows = _nearest_pixel(uv[:, 1], height, self.wrap[1])
@@ -246,7 +246,7 @@ def open_picture(data: bytes) -> NDArray[np.uint8]:
 def sample_picture(
     picture: NDArray[np.uint8], uv: NDArray[np.float64], wrap: tuple[str, str] = REPEAT
 ) -> NDArray[np.float64]:
-    """Return linear colours (N, 3), 0 to 1, at places on a picture.
+    """Return linear colours (N, 3), 0 to 1, at points of a picture.
 
     Between four pixels the linear colours are mixed.
 
@@ -273,7 +273,7 @@ def sample_picture(
 
 
 def _nearest_pixel(positions: AnyArray, n: int, wrap: str) -> NDArray[np.int64]:
-    """Return the pixels (N,) of n in which places lie."""
+    """Return the pixels (N,) of n in which coordinates lie."""
     if wrap == "mirror":
         positions = 1.0 - np.abs(positions % 2.0 - 1.0)
     pixel = np.floor(positions * n).astype(np.int64)
@@ -282,7 +282,7 @@ def _nearest_pixel(positions: AnyArray, n: int, wrap: str) -> NDArray[np.int64]:
 
 
 def _pixel_pair(positions: NDArray[np.float64], n: int, wrap: str) -> tuple[AnyArray, AnyArray]:
-    """Return the two pixels (2, N) of n between which places lie, and the weight of the second."""
+    """Return the two pixels (2, N) of n around coordinates, and the weight of the second."""
     if wrap == "mirror":
         positions = 1.0 - np.abs(positions % 2.0 - 1.0)
     elif wrap == "clamp":

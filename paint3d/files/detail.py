@@ -26,10 +26,10 @@ _FINEST = 1.0 / 1500.0  # of the object's size: shorter edges are not halved
 _PIXEL = 0.8  # pixels: nor are edges that are so short on the picture
 _SEAM = 24  # codes: corners of a vertex that differ by more do not share a colour
 _ROUNDS = 40
-_FARTHEST = 1e4  # pictures side by side: places farther out are damaged, and count as unknown
+_FARTHEST = 1e4  # pictures side by side: coordinates farther out are damaged, and count as unknown
 _CREASE_ANGLE = np.deg2rad(40.0)  # as `paint3d.mesh.base_surface` has it
 _GRIDS = (2, 4, 8, 16, 24)  # steps along an edge at which a triangle's picture is looked at
-_AT_ONCE = 1 << 20  # places
+_AT_ONCE = 1 << 20  # points
 
 
 class Draped(NamedTuple):
@@ -65,8 +65,8 @@ class _Mesh:
     ----------
     points : (W, 3) float64
         Distinct positions.
-    place : (V,) int64
-        Position of each vertex; several may have the same.
+    point_of : (V,) int64
+        Index of each vertex's position in `points`; several may have the same.
     faces : (F, 3) int64
         Vertices.
     uv : (F, 3, 2) float64
@@ -85,14 +85,14 @@ class _Mesh:
     ) -> None:
         single = np.ascontiguousarray(vertices, np.float32) + np.float32(0.0)
         rows = single.view([("x", "f4"), ("y", "f4"), ("z", "f4")]).ravel()
-        _, first, self.place = np.unique(rows, return_index=True, return_inverse=True)
+        _, first, self.point_of = np.unique(rows, return_index=True, return_inverse=True)
         self.points = single[first].astype(np.float64)
         self.faces, self.uv, self.look, self.own = faces, uv, look, own
         self.error = np.full(len(faces), np.nan)
 
     def lengths(self) -> NDArray[np.float64]:
         """(F, 3) float64: of the edges from each corner to the next."""
-        corners = self.points[self.place[self.faces]]
+        corners = self.points[self.point_of[self.faces]]
         result: NDArray[np.float64] = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
         return result
 
@@ -106,7 +106,7 @@ class _Mesh:
 
     def edges(self) -> tuple[NDArray[np.int64], int]:
         """(F, 3) int64 edges from each corner to the next, alike where positions are; how many."""
-        ends = self.place[self.faces]
+        ends = self.point_of[self.faces]
         after = np.roll(ends, -1, axis=1)
         code = np.minimum(ends, after) * len(self.points) + np.maximum(ends, after)
         known, ids = np.unique(code.ravel(), return_inverse=True)
@@ -128,7 +128,7 @@ class _Mesh:
         middle, ends = self._middles(faces, position[ids], marked[ids])
         new_points = np.empty((np.count_nonzero(marked), 3))
         new_points[position[ids[marked[ids]]] - len(self.points)] = self.points[
-            self.place[ends]
+            self.point_of[ends]
         ].mean(axis=1)
         halfway = 0.5 * (uv + np.roll(uv, -1, axis=1))
         a, b, c = ((faces[:, k], uv[:, k]) for k in range(3))
@@ -151,13 +151,13 @@ class _Mesh:
         """New vertices (F, 3) on the marked edges (-1: none), and the ends (M, 2) of each."""
         after = np.roll(faces, -1, axis=1)
         low, high = np.minimum(faces, after)[marked], np.maximum(faces, after)[marked]
-        code = low * len(self.place) + high
+        code = low * len(self.point_of) + high
         _, first, which = np.unique(code, return_index=True, return_inverse=True)
         middle = np.full(faces.shape, -1, np.int64)
-        middle[marked] = len(self.place) + which
+        middle[marked] = len(self.point_of) + which
         own = 0.5 * (self.own[low[first]] + self.own[high[first]])
         self.own = np.concatenate([self.own, own])
-        self.place = np.concatenate([self.place, position[marked][first]])
+        self.point_of = np.concatenate([self.point_of, position[marked][first]])
         return middle, np.stack([low, high], axis=1)
 
 
@@ -239,7 +239,7 @@ def _smooth_normals(mesh: _Mesh) -> None:
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    corners = mesh.points[mesh.place[mesh.faces]]
+    corners = mesh.points[mesh.point_of[mesh.faces]]
     unit = face_normals(corners)
     edges, _ = mesh.edges()
     order = np.argsort(edges.ravel(), kind="stable")
@@ -248,7 +248,7 @@ def _smooth_normals(mesh: _Mesh) -> None:
     smooth = np.einsum("ij,ij->i", unit[one // 3], unit[two // 3]) > np.cos(_CREASE_ANGLE)
     one, two = one[smooth], two[smooth]
     after = np.array([1, 2, 0])
-    ends = mesh.place[mesh.faces].ravel()
+    ends = mesh.point_of[mesh.faces].ravel()
     one_next, two_next = one - one % 3 + after[one % 3], two - two % 3 + after[two % 3]
     against = ends[one] == ends[two_next]  # as neighbours are, unless one is inside out
     links = (
@@ -264,8 +264,8 @@ def _smooth_normals(mesh: _Mesh) -> None:
     _, group = connected_components(graph, directed=False)
     weighted = _angles(corners).reshape(-1, 1) * np.repeat(unit, 3, axis=0)
     normals = np.stack([np.bincount(group, weighted[:, k]) for k in range(3)], axis=1)
-    faces, source = _split(mesh.faces, group, len(mesh.place))
-    mesh.own, mesh.place = mesh.own[source], mesh.place[source]
+    faces, source = _split(mesh.faces, group, len(mesh.point_of))
+    mesh.own, mesh.point_of = mesh.own[source], mesh.point_of[source]
     mesh.own[faces.ravel(), 3:] = normals[group]
     mesh.own[:, 3:] /= np.maximum(np.linalg.norm(mesh.own[:, 3:], axis=1, keepdims=True), 1e-300)
     mesh.faces = faces
@@ -307,7 +307,7 @@ def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, most: int) -> N
         span = lengths.max(axis=1)
         wanted = mesh.error > _SEEN
         wanted &= (span > 2.0 * finest) & (pixels.max(axis=1) > 2.0 * _PIXEL)
-        remaining = most - len(mesh.place)
+        remaining = most - len(mesh.point_of)
         if not wanted.any() or remaining < 16:
             return
         edges, n_edges = mesh.edges()
@@ -359,7 +359,7 @@ def _sample_faces(
 ) -> Iterator[tuple[AnyArray, AnyArray, AnyArray]]:
     """Yield rows (N,), weights (K, 3) of the corners, and sRGB codes (K, N, 3) f32 seen there.
 
-    The first three places are the corners; steps are about as many as pixels.
+    The first three points are the corners; steps are about as many as pixels.
     """
     steps = np.searchsorted(grids[:-1], pixels)
     for which, one in enumerate(looks):
@@ -390,13 +390,13 @@ def _colour_vertices(
 ) -> Pictured:
     corners = _corner_colours(mesh, looks)
     linear = _means_where_coarse(mesh, looks, sizes, corners)
-    faces, source, seen = _split_seams(mesh.faces, linear, len(mesh.place))
+    faces, source, seen = _split_seams(mesh.faces, linear, len(mesh.point_of))
     colours = srgb_from_linear(seen * mesh.own[source, :3])
     normals = mesh.own[source, 3:] if with_normals else None
     if normals is not None:
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         normals /= np.where(length > 0.0, length, 1.0)
-    return Pictured(mesh.points[mesh.place[source]], faces, colours, normals)
+    return Pictured(mesh.points[mesh.point_of[source]], faces, colours, normals)
 
 
 def _corner_colours(mesh: _Mesh, looks: Sequence[Look]) -> NDArray[np.float64]:
@@ -416,7 +416,7 @@ def _means_where_coarse(
     coarse = np.flatnonzero((mesh.error > 2.0 * _SEEN) & (pixels > 2.0 * _PIXEL))
     if not len(coarse):
         return corners
-    total, weight = np.zeros((len(mesh.place), 3)), np.zeros(len(mesh.place))
+    total, weight = np.zeros((len(mesh.point_of), 3)), np.zeros(len(mesh.point_of))
     pixels = pixels[coarse]
     table = linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32)
     for rows, weights, seen in _sample_faces(mesh, coarse, looks, pixels, _GRIDS[:3]):

@@ -33,7 +33,7 @@ class Filaments(NamedTuple):
     """Filament colours, and the one for each of the colours that there were."""
 
     palette: NDArray[np.uint8]  # (k, 3) sRGB, the one that covers most first
-    chosen: NDArray[np.int32]  # (V,) place in the palette
+    chosen: NDArray[np.int32]  # (V,) index into the palette
 
 
 def choose_filaments(

@@ -35,7 +35,7 @@ _PICTURE_SUFFIXES, _FILM_SUFFIXES = (".png", ".webp"), tuple(FILMS)
 _FORMS = {".png": "PNG", **FILMS}
 _QUALITY = 92  # of a WebP
 _READ, _TAKEN = 0.6, 0.97  # of the time, about, until the painting is read and the picture there
-_MOST_LIGHTS = 120  # in a turn of a film, in which the light on the object is found anew
+_MOST_LIGHTS = 120  # in a turn of a film, in which the light on the object is computed anew
 
 
 class Turning(NamedTuple):

@@ -88,7 +88,7 @@ def _enough_pixels(area: float, areas: NDArray[np.float64]) -> int:
 def _lay_out(
     vertices: AnyArray, faces: AnyArray, areas: AnyArray, size: int
 ) -> tuple[AnyArray, NDArray[np.int32], NDArray[np.float32], tuple[int, int]]:
-    """Return the vertices that are used, again for each chart; faces, places, the atlas's size."""
+    """Return the vertices used, again for each chart; faces, coordinates, the atlas's size."""
     try:
         import xatlas
     except ImportError:

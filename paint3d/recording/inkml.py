@@ -292,7 +292,7 @@ def _find_formats(root: ElementTree.Element, name: str) -> Callable[[str], _Form
             others = (named.get(element.get(key, "")[1:]) for key in _CONTEXT_PARTS)
             contexts += [other for other in others if other is not None]
             element = named.get(element.get("contextRef", "")[1:])  # what it does not say itself
-        descriptions = [described(place) for place in contexts]
+        descriptions = [described(context) for context in contexts]
         if all(layout is None for layout, _, _ in descriptions):
             descriptions.append(described(root))
         layout = next((layout for layout, _, _ in descriptions if layout is not None), None)
@@ -446,9 +446,9 @@ def _read_resolutions(
             continue
         if key not in _KNOWN or key in result:
             continue
-        told = entry.get("value", "")
+        value = entry.get("value", "")
         try:
-            counts = float(told)
+            counts = float(value)
         except ValueError:
             counts = math.nan
         if not (math.isfinite(counts) and counts >= 0.0):
@@ -456,7 +456,7 @@ def _read_resolutions(
                 "{name}:1: the resolution of {key} is {told!r}; expected a number from 0",
                 name=name,
                 key=key,
-                told=told[:40],
+                told=value[:40],
             )
         result[key] = counts, entry.get("units", "").replace(" ", "").removeprefix("1/")
     return result

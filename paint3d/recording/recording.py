@@ -1,4 +1,4 @@
-"""Reading and writing recordings; the format of a file is told by its contents.
+"""Reading and writing recordings; the format of a file is recognized by its contents.
 
 W3C InkML, tables with named columns (CSV) and plain tables of ``time x y pressure`` are read, and
 the native form, JSON Lines: a header, then one sample a line. Any of them may be gzipped, whatever

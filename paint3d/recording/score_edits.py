@@ -42,13 +42,13 @@ __all__ = [
 ]
 
 # ---- Strokes on a surface ------------------------------------------------------------------------
-# Strokes carried along the surface of an object, scaled or mirrored on it: places, and how the
+# Strokes carried along the surface of an object, scaled or mirrored on it: positions, and how the
 # brush stands on it.
 #
 # They go as a whole, like a stencil on a wall: from the tangent plane under their middle to that
-# at the place where it goes, by the smallest turn between the two normals. Then every sample
-# follows the surface under it: what lay under it comes to the nearest place, and the pose of the
-# brush to that place's normal as it was to the old one. On a plane a move is a translation and a
+# at the point where it goes, by the smallest turn between the two normals. Then every sample
+# follows the surface under it: what lay under it comes to the nearest point, and the pose of the
+# brush to that point's normal as it was to the old one. On a plane a move is a translation and a
 # turn, exactly.
 
 
@@ -58,7 +58,7 @@ _NO_PATH_MM = 1e-9
 _MOST_TURN = 36000.0  # degrees
 _SMALLEST, _LARGEST = 0.05, 20.0  # scales
 _UPRIGHT = 0.9  # cosine to the vertical above which a normal is that of a table, not of a wall
-_BESIDE_MM, _BESIDE = 0.5, 0.35  # a place may be so far beside the nearest one's normal, and so
+_BESIDE_MM, _BESIDE = 0.5, 0.35  # a point may be so far beside the nearest one's normal, and so
 # many times its distance: farther, and it lies beyond an edge
 
 
@@ -81,7 +81,7 @@ def tangents_at(normal: ArrayLike) -> AnyArray:
 
 
 def pressed_positions(part: Recording) -> tuple[AnyArray, AnyArray]:
-    """The places (N, 3) that a recording means, in the object's frame, mm, and where it presses.
+    """The points (N, 3) that a recording means, in the object's frame, mm, and where it presses.
 
     The second is (N,) bool, all of it without a pressure.
     """
@@ -90,12 +90,12 @@ def pressed_positions(part: Recording) -> tuple[AnyArray, AnyArray]:
 
 @dataclass(frozen=True)
 class _Stencil:
-    """A map of the surface: from about one place of it to about another, in the object's frame.
+    """A map of the surface: from about one point of it to about another, in the object's frame.
 
     Attributes
     ----------
-    middle, place : (3,) float64
-        A place, and where it comes to, mm.
+    middle, target : (3,) float64
+        A point, and where it comes to, mm.
     turn : (3, 3) float64
         What it does to directions: a rotation, or a reflection of determinant -1.
     factor : float
@@ -103,7 +103,7 @@ class _Stencil:
     """
 
     middle: AnyArray
-    place: AnyArray
+    target: AnyArray
     turn: AnyArray
     factor: float = 1.0
 
@@ -133,7 +133,7 @@ def _move_stencil(
 
 
 def _find_middle(parts: Sequence[Recording], ground: ClosestPoints) -> tuple[AnyArray, AnyArray]:
-    """The place of the surface under the middle of strokes, and its normal; object's frame, mm."""
+    """The point of the surface under the middle of strokes, and its normal; object's frame, mm."""
     positions = np.concatenate([_in_object(part)[1] for part in parts])
     pressed = np.concatenate([_is_pressed(part) for part in parts])
     nearest = ground.find(positions[pressed] if pressed.any() else positions)
@@ -179,7 +179,7 @@ def _carry_part(part: Recording, ground: ClosestPoints, stencil: _Stencil) -> Re
     position, positions, own = _in_object(part)
     turn, factor = stencil.turn, stencil.factor
     was = ground.find(positions)
-    wanted = stencil.place + factor * (was.points - stencil.middle) @ turn.T
+    wanted = stencil.target + factor * (was.points - stencil.middle) @ turn.T
     now = ground.find(wanted)
     # a sample lies beyond an edge where its nearest point of the surface is not under it
     offsets = wanted - now.points
@@ -204,8 +204,8 @@ def _carry_part(part: Recording, ground: ClosestPoints, stencil: _Stencil) -> Re
     moved = below + factor * np.einsum("nij,nj->ni", turns, position - was.points)
     contact = part.contact
     if contact is not None:
-        kept = below + factor * np.einsum("nij,nj->ni", turns, positions - was.points)
-        contact = np.where(np.isnan(contact), np.nan, _to_world(part, kept))
+        points = below + factor * np.einsum("nij,nj->ni", turns, positions - was.points)
+        contact = np.where(np.isnan(contact), np.nan, _to_world(part, points))
     if np.linalg.det(turn) < 0.0:  # a mirrored brush is a brush again: its y the other way round
         frames = turns @ matrices_from_quaternions(own)
         frames[:, :, 1] *= -1.0
@@ -253,15 +253,15 @@ def _is_pressed(part: Recording) -> AnyArray:
 
 
 def _in_object(part: Recording) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Positions, the places that are meant (N, 3), and orientations (N, 4), in the object."""
+    """Positions, the points that are meant (N, 3), and orientations (N, 4), in the object."""
     back = matrices_from_quaternions(part.object_orientation).transpose(0, 2, 1)
     position = np.einsum("nij,nj->ni", back, part.position - part.object_position)
-    places = position
+    points = position
     if part.contact is not None:
         meant = np.einsum("nij,nj->ni", back, part.contact - part.object_position)
-        places = np.where(np.isnan(meant), position, meant)
+        points = np.where(np.isnan(meant), position, meant)
     inverse = part.object_orientation * np.array([1.0, -1.0, -1.0, -1.0])
-    return position, places, multiply_quaternions(inverse, part.orientation)
+    return position, points, multiply_quaternions(inverse, part.orientation)
 
 
 def _to_world(part: Recording, points: AnyArray) -> AnyArray:
@@ -374,7 +374,7 @@ def move_stroke(
     turn_deg : float
         About the surface's normal, counter-clockwise for who looks at it.
     to : (3,) or (2, 3), optional
-        Where its middle comes to, in the object's frame, mm, or where a place comes to at which it
+        Where its middle comes to, in the object's frame, mm, or where a point comes to at which it
         is taken hold of; before `along`.
 
     Raises
@@ -382,7 +382,7 @@ def move_stroke(
     RecordingError
         If there is no such stroke, or it would come to lie beyond an edge of the object.
     InputError
-        If a length, the turn or a place is no such thing.
+        If a length, the turn or a point is no such thing.
     """
     return _move(score, [number], mesh, along, turn_deg, to)
 

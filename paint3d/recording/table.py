@@ -199,9 +199,9 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
                 tools=", ".join(both[1]),
             )
         for axis in "xyz":
-            found = table.column(*_COORDINATES[axis])
-            if found is not None:
-                table.check(*found, -_LARGEST, _LARGEST)
+            column = table.column(*_COORDINATES[axis])
+            if column is not None:
+                table.check(*column, -_LARGEST, _LARGEST)
             elif axis != "z":
                 known = ", ".join(_COORDINATES[axis])
                 raise RecordingError(
@@ -313,7 +313,7 @@ def _pose_recording(
     pressure: AnyArray | None,
     given: dict[str, AnyArray],
 ) -> Recording:
-    """A recording of poses; `tip` begins the names of its places where the tuft's tip is told."""
+    """A recording of poses; `tip` begins the names of coordinates that are the tuft's tip."""
     orientation = _stack_columns(table, quaternion)
     if quaternion != _QUATERNION:
         orientation = multiply_quaternions(orientation, np.array(_TURNED))

@@ -265,7 +265,7 @@ class Copybook:
         The text with a line break after each column or row; empty of a page.
     block : CopybookBlock
     marks : dict of int to CopybookMark
-        Of characters by their place, the last of each.
+        Of characters by their index, the last of each.
     page : Page or None
         As it was composed; None of known characters.
     from_fonts : dict of str to str

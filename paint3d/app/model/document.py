@@ -89,7 +89,7 @@ __all__ = ["Document", "FileState"]
 
 _BLOT_FRACTION = 0.8  # of wet ink, that blotting paper lifts
 _MOST_PICKUP = 1000.0  # 1/mm, as in recordings
-_MANY_OUTDATED = 1024  # vertices, above which their colours are found while nobody paints
+_MANY_OUTDATED = 1024  # vertices, above which their colours are computed while nobody paints
 _EDIT_STEP = COMMANDS["edit_strokes"].undo_label
 # Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
 # done again with the one after it.
@@ -115,13 +115,13 @@ class Document:
     inks : list of two inks
         The one the brush is dipped in, and the one that `swap_inks` takes.
     properties : dict
-        Anything else that is to be kept with the painting, as JSON holds it.
+        Anything else that is to be saved with the painting, as JSON holds it.
     tuft_follower : TuftFollower
         Finds how the tuft lies on the surface, for drawing it.
     modified : bool
         Whether it is otherwise than it was saved; undo and redo may lead back there.
     left_out : bool
-        Whether some steps found no room in the file when it was saved last.
+        True if the file had no capacity for some steps when it was saved last.
     looks_back : bool
         Whether strokes were undone by `replay_history` and not done again since.
     edits : EditHistory
@@ -874,18 +874,18 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, or a stroke is going on.
+            If there is none at that index, or a stroke is going on.
         """
         self._restack("select_layer", lambda stack: stack.activate(place))
 
     @recorded
     def add_layer(self, name: str | None = None, place: int | None = None) -> None:
-        """Put an empty layer above the one that is painted on, or at a place, and paint on it.
+        """Put an empty layer above the one that is painted on, or at an index, and paint on it.
 
         Raises
         ------
         InputError
-            If the name or the place is none, or there are too many.
+            If the name or the index is none, or there are too many.
         """
         name = name or _first_free(layer.name for layer in self.layers)
         place = self.active_layer + 1 if place is None else place
@@ -898,13 +898,13 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, it is the only one, or a stroke is going on.
+            If there is none at that index, it is the only one, or a stroke is going on.
         """
         self._restack("remove_layer", lambda stack: stack.remove(place))
 
     @recorded
     def move_layer(self, place: int, to: int, within: int | None = None) -> None:
-        """Put a layer at another place, or into a group or out of it: a step that can be undone.
+        """Put a layer at another index, or into a group or out of it: a step that can be undone.
 
         Parameters
         ----------
@@ -915,15 +915,15 @@ class Document:
         Raises
         ------
         InputError
-            If there is no such place, a group would lie in two parts, or a stroke is going on.
+            If there is no such index, a group would lie in two parts, or a stroke is going on.
         """
         self._restack("move_layer", lambda stack: stack.move(place, to, within))
 
-    # A group is named by the place of any of its layers.
+    # A group is named by the index of any of its layers.
 
     @recorded
     def add_group(self, place: int, last: int | None = None, name: str | None = None) -> None:
-        """Make a group of the layers from a place to the last: a step that can be undone.
+        """Make a group of the layers from an index to the last: a step that can be undone.
 
         Raises
         ------
@@ -942,7 +942,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, or a stroke is going on.
+            If there is no layer at that index, it is in no group, or a stroke is going on.
         """
         self._restack("ungroup", lambda stack: stack.ungroup(place))
 
@@ -953,7 +953,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, the name is none, there are too
+            If there is no layer at that index, it is in no group, the name is none, there are too
             many, or a stroke is going on.
         """
         name = name or self._free_group_name()
@@ -961,12 +961,12 @@ class Document:
 
     @recorded
     def move_group(self, place: int, to: int) -> None:
-        """Put a group so that its lowest layer is at a place: a step that can be undone.
+        """Put a group so that its lowest layer is at an index: a step that can be undone.
 
         Raises
         ------
         InputError
-            If there is no such place, the layer is in no group, another group would lie in two
+            If there is no such index, the layer is in no group, another group would lie in two
             parts, or a stroke is going on.
         """
         self._restack("move_group", lambda stack: stack.move_group(place, to))
@@ -978,7 +978,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, no other layer would stay, or a
+            If there is no layer at that index, it is in no group, no other layer would stay, or a
             stroke is going on.
         """
         self._restack("remove_group", lambda stack: stack.remove_group(place))
@@ -990,7 +990,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, the opacity is out of range, or
+            If there is no layer at that index, it is in no group, the opacity is out of range, or
             a stroke is going on.
         """
         self._restack(
@@ -1004,7 +1004,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, it is neither, or a stroke is
+            If there is no layer at that index, it is in no group, it is neither, or a stroke is
             going on.
         """
         self._restack(
@@ -1024,7 +1024,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, or a stroke is going on.
+            If there is no layer at that index, it is in no group, or a stroke is going on.
         """
         self._refuse_in_stroke(Message("showing or hiding a layer"))
         self.surface.use_layers().set_group_properties(place, visible=bool(visible))
@@ -1047,7 +1047,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, the name is none, there are too many, or a stroke is
+            If there is none at that index, the name is none, there are too many, or a stroke is
             going on.
         """
         name = name or _first_free(layer.name for layer in self.layers)
@@ -1060,7 +1060,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place or below it, one of them is locked or hidden, or a stroke
+            If there is none at that index or below it, one of them is locked or hidden, or a stroke
             is going on.
         """
         stack = self.surface.use_layers()
@@ -1084,7 +1084,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, the opacity is out of range, or a stroke is going on.
+            If there is none at that index, the opacity is out of range, or a stroke is going on.
         """
         self._restack("set_opacity", lambda stack: stack.set_properties(place, opacity=opacity))
 
@@ -1095,7 +1095,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, it is neither, or a stroke is going on.
+            If there is none at that index, it is neither, or a stroke is going on.
         """
         self._restack("set_blend", lambda stack: stack.set_properties(place, blend=blend))
 
@@ -1112,7 +1112,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, or a stroke is going on.
+            If there is none at that index, or a stroke is going on.
         """
         self._refuse_in_stroke(Message("showing or hiding a layer"))
         self.surface.use_layers().set_properties(place, visible=bool(visible))
@@ -1184,7 +1184,7 @@ class Document:
         text : mapping
             What `LaidText.words` gives.
         number : int, optional
-            Of the text, from 0, whose place it takes; by default it lies beside those there are.
+            Of the text, from 0, which it replaces; by default it lies beside those there are.
 
         Raises
         ------
@@ -1497,7 +1497,7 @@ class Document:
 
     # -- edits of strokes -------------------------------------------------------------------
 
-    # Neither edit is `recorded`: the edited score takes the place of the one that was kept.
+    # Neither edit is `recorded`: the edited score replaces the one that was recorded.
 
     def edit_strokes(self, places: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
         """Edit strokes, several as one, and paint everything after the first anew: one undo step.

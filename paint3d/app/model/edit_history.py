@@ -1,7 +1,7 @@
 """Undo of edits of strokes: the painting as it was before an edit, and as it is after.
 
 An edit goes back to where its stroke began, by undo, and plays the edited score from there. Steps
-that there were are kept aside, so that undo of the edit brings the painting back as it was, to
+that there were are set aside, so that undo of the edit brings the painting back as it was, to
 the bit, in one step; and redo the edited one.
 """
 

@@ -124,7 +124,7 @@ class PaintThread:
     wet : bool
         Let ink spread and dry in real time.
     recovery : RecoveryFolder, optional
-        Where what is painted is kept until it is saved; closed by `stop`.
+        Where what is painted is stored until it is saved; closed by `stop`.
     autosave_interval_s : float
         The least time between two bases of the recovery folder.
 

@@ -1,6 +1,6 @@
 """Strokes painted again, for those that no undo step takes back.
 
-Files from before kept strokes and no steps, and a file has no room for the steps of very many. The
+Older files hold strokes and no steps, and a file has no capacity for the steps of very many. The
 strokes are painted again on layers of their own; that these make way for the painting as it is
 belongs to the last one's step. So undo leads from the painting to what was painted again, stroke by
 stroke to the bare object, and redo back to the painting to the bit.

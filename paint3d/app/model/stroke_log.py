@@ -378,7 +378,7 @@ def weights_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
 
 
 def ink_of(stroke: Stroke, surface: PaintedSurface) -> dict[str | Pigment, float]:
-    """A stroke's ink, with the surface's own pigments in the place of their names."""
+    """A stroke's ink, with the surface's own pigments in place of their names."""
     known = {pigment.name: pigment for pigment in surface.pigments}
     return {known.get(name, name): part for name, part in stroke.ink.items()}
 

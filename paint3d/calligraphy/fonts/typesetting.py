@@ -69,7 +69,7 @@ class Body:
 
 class _Part(NamedTuple):
     shape: Polygon
-    glyph: int  # place in the line
+    glyph: int  # index in the line
     is_main: bool  # the largest of a glyph that is no mark
 
 

@@ -28,7 +28,7 @@ __all__ = ["CorrectedPage", "CorrectedStroke", "halves_at"]
 
 _GRID = 1e-3  # glyph units: to which a file of strokes is rounded
 _NEAREST_END = 0.02  # of a stroke's length: a cut nearer to an end is none
-_MOST_SAMPLES = 300  # along a stroke, to find which half a place belongs to
+_MOST_SAMPLES = 300  # along a stroke, to find which half a point belongs to
 _STANDS_OUT = 0.25  # of a box: so far letters of a font may stand out of theirs
 _CRUMB = 1.0  # square units: smaller bits that touch neither half are rounding
 
@@ -84,7 +84,7 @@ class CorrectedPage:
         return self.strokes != self._first
 
     def number(self, k: int) -> tuple[int, int]:
-        """A stroke's place in its piece, counted from 1, and how many that has."""
+        """A stroke's position in its piece, counted from 1, and how many that has."""
         mine = self._strokes_of_piece(self.strokes[k].piece)
         return mine.index(k) + 1, len(mine)
 
@@ -115,14 +115,14 @@ class CorrectedPage:
         return self._replace_stroke(k, replace(self.strokes[k], is_left_out=on))
 
     def move(self, k: int, by: int) -> tuple[CorrectedPage, int]:
-        """Stroke k later in its piece by so many, or earlier; and its place then."""
+        """Stroke k later in its piece by so many, or earlier; and its position then."""
         mine = self._strokes_of_piece(self.strokes[k].piece)
         to = min(max(k + by, mine[0]), mine[-1])
         others = [one for j, one in enumerate(self.strokes) if j != k]
         return self._replace_all([*others[:to], self.strokes[k], *others[to:]]), to
 
     def move_piece(self, k: int, by: int) -> tuple[CorrectedPage, int]:
-        """The piece of stroke k later by so many, or earlier; and the stroke's place then."""
+        """The piece of stroke k later by so many, or earlier; and the stroke's position then."""
         order = list(dict.fromkeys(one.piece for one in self.strokes))
         piece = self.strokes[k].piece
         at = order.index(piece)
@@ -138,7 +138,7 @@ class CorrectedPage:
         )
 
     def join(self, k: int, other: int) -> tuple[CorrectedPage, int]:
-        """Stroke k and another as one, in the direction of k; and its place then.
+        """Stroke k and another as one, in the direction of k; and its position then.
 
         They meet at those ends that lie nearest to each other.
 
@@ -157,7 +157,7 @@ class CorrectedPage:
         return self._replace_all(strokes), strokes.index(joined)
 
     def split(self, k: int, point: Sequence[float] | AnyArray) -> CorrectedPage:
-        """Stroke k as two, cut across its line at the place nearest to a point of the page.
+        """Stroke k as two, cut across its line at the point nearest to a point of the page.
 
         Raises
         ------
@@ -253,9 +253,9 @@ def _bound_strokes(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
 
 
 def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphStroke]:
-    """A stroke cut in two across its line, at the place nearest to a point (2,).
+    """A stroke cut in two across its line, at the point nearest to a point (2,).
 
-    Every place of its region goes to the half whose line is nearest.
+    Every point of its region goes to the half whose line is nearest.
 
     Raises
     ------

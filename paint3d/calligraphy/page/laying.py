@@ -1,6 +1,6 @@
 """Layout of the pieces of a flat page on an object.
 
-The middle of the page lies at a place of the surface. From there one goes straight up or down to a
+The middle of the page lies at a point of the surface. From there one goes straight up or down to a
 piece's height and then along the level line, so that lines of text lie level and pieces are as far
 apart along them as on the page; every piece is then laid by geodesics around its own middle.
 """
@@ -34,7 +34,7 @@ from paint3d.mesh.placement import SurfaceLine
 __all__ = ["PlacedPiece", "lay_page"]
 
 _LINE_FRACTIONS = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines that are tried
-_MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the place: tried in turn
+_MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the point: tried in turn
 _MOST_PLACES = 12
 _ROUNDING = 1e-6  # of a length
 _SHARED = 0.02  # of the em: corners of boxes that share this much more than on the page are apart
@@ -83,7 +83,7 @@ def lay_page(
     InputError
         If the page does not fit; the message says how large it is, and why.
     MeshError
-        If there is no such place.
+        If there is no such position.
     """
     layout, limits = layout or Layout(), limits or SquareLimits()
     try:
@@ -163,7 +163,7 @@ def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshErro
 
 
 class _Sheet(TextPlace):
-    """A page's lines up and along, around one place of a surface."""
+    """A page's lines up and along, around one point of a surface."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -236,7 +236,7 @@ class _Sheet(TextPlace):
         raise fault
 
     def _arrange(self, page: Page, move: float) -> Page:
-        """A page as it is laid; of one that goes around a body x is counted from the place."""
+        """A page as it is laid; of one that goes around a body x is counted from the point."""
         if not self.layout.around:
             return page
         arc = self._find_arc(self._heights(page, move))
@@ -247,7 +247,7 @@ class _Sheet(TextPlace):
         return self._spread_around(page)
 
     def _heights(self, page: Page, move: float) -> list[float]:
-        """Middles of the lines of a page, mm above the place."""
+        """Middles of the lines of a page, mm above the point."""
         _, lower, _, upper = page.bounds
         middle = 0.5 * (lower + upper)
         return sorted({round(self.scale * (one.at[1] - middle) + move, 6) for one in page.pieces})
@@ -348,8 +348,8 @@ class _Sheet(TextPlace):
     def _wrap_around(self, page: Page, move: float) -> Page:
         """A page of words all around the body, as often as it goes round.
 
-        The room that is left is shared evenly by the gaps between words; a copy's middle lies at
-        the place. x is counted from there.
+        The length that is left is shared evenly by the gaps between words; a copy's middle lies at
+        the point. x is counted from there.
         """
         _, lower, _, upper = page.bounds
         seam = max(self.layout.gap, _SEAM) * EM_UNITS
@@ -409,7 +409,7 @@ class _Sheet(TextPlace):
         return PlacedPiece(piece.glyph, square)
 
     def _point_at(self, x: float, height: float, width: float) -> AnyArray:
-        """The point (3,) so many mm right of the place and above it, of a page of a width."""
+        """The point (3,) so many mm right of the point and above it, of a page of a width."""
         if self.layout.around:
             return self._ring_at(height).at(x)
         level = self._level_line(height, 1.0)

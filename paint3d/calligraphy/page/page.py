@@ -39,7 +39,7 @@ _LEAST_SHARE = 1e-5  # of the largest polygon's area: smaller ones are dust of t
 
 
 def fill_rings(rings: Sequence[AnyArray], *, even_odd: bool = False) -> MultiPolygon:
-    """Area that closed curves enclose, by how often each place is gone around.
+    """Area that closed curves enclose, by the winding number of each point.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ class Piece:
     at : (float, float)
         Where the middle of its box lies on the page, glyph units, y upwards.
     word : (int, int), optional
-        The line and the word in it, from 0, that it is kept together with.
+        The line and the word in it, from 0, that it stays together with.
     """
 
     glyph: Glyph

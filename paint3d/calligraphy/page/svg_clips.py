@@ -2,7 +2,7 @@
 
 The package that reads drawings knows none of them. So each element below one is given its name in
 an attribute, which is inherited and comes out with its shape; and the path itself is a drawing of
-its own, in the place of what refers to it.
+its own, in place of what refers to it.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = [
 ]
 
 CLIPS = "data-paint3d-clips"
-"""The attribute with the places, in what `mark_clipped` returns, of all paths that clip a shape."""
+"""The attribute with the indices, into what `mark_clipped` returns, of a shape's clipping paths."""
 HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
 """Attributes that refer to another element."""
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
@@ -88,7 +88,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
 
 
 def _put_in_place(element: Element, named: dict[str, Element]) -> None:
-    """Put what is used into the place of its uses, where it may be clipped otherwise."""
+    """Put what is used in place of its uses, where it may be clipped otherwise."""
     for k, child in enumerate(element):
         used = named.get(reference_of(child)) if tag_of(child) == "use" else None
         if used is not None:
@@ -118,7 +118,7 @@ def _is_plain(path: Element) -> bool:
 
 
 def _clip_drawing(ancestors: Sequence[Element], path: Element, named: dict[str, Element]) -> bytes:
-    """A drawing that fills a path in the place of the last of these elements, from the root."""
+    """A drawing that fills a path in place of the last of these elements, from the root."""
     root, *inner = ancestors
     drawing = Element(root.tag, {k: v for k, v in root.attrib.items() if k in _PLACING})
     at = drawing

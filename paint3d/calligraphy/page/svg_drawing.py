@@ -220,7 +220,7 @@ def _faults_of_list(
     """Fault of a list: its first word that is neither a finite number nor known."""
     good = words.match(text)
     end = good.end() if good else 0
-    numbers = (found[0] for found in _EXPONENT.finditer(text, 0, end))
+    numbers = (match[0] for match in _EXPONENT.finditer(text, 0, end))
     bad = next((number for number in numbers if not math.isfinite(float(number))), "")
     bad = bad or re.split(r"[\s,]", text[end : end + _SHOWN])[0]
     if bad:
@@ -419,11 +419,11 @@ def _drawing_at(use: Element, used: Element) -> Element:
 
 
 def _translate(drawing: Element) -> Element:
-    """A drawing without a viewBox, at its place."""
-    place = Element(tag_like(drawing, "use"), {key: drawing.get(key) or "0" for key in _PLACE})
-    place.append(_copy_without(drawing, _PLACE))
-    place[0].extend(drawing)
-    return place
+    """A drawing without a viewBox, as the use of one at its x and y."""
+    use = Element(tag_like(drawing, "use"), {key: drawing.get(key) or "0" for key in _PLACE})
+    use.append(_copy_without(drawing, _PLACE))
+    use[0].extend(drawing)
+    return use
 
 
 def _copy_without(element: Element, attributes: tuple[str, ...]) -> Element:
@@ -546,7 +546,7 @@ def _resolve_paints(root: Element, names: set[str | None]) -> None:
         for key in ("fill", "stroke", "style"):
             if "url(" in element.get(key, ""):
                 text = _PAINT.sub(
-                    lambda found: found[0] if found[1] in names else found[2].strip() or "none",
+                    lambda match: match[0] if match[1] in names else match[2].strip() or "none",
                     element.get(key, ""),
                 )
                 element.set(key, text)

@@ -76,7 +76,7 @@ def in_numbers(root: Element) -> None:
 def _resolve_width(style: str, context: _Context) -> str:
     """A style whose width of strokes is a number, if it was a relative one."""
     return _STYLED.sub(
-        lambda found: found[1] + _resolve_length(found[2], "stroke-width", context), style
+        lambda match: match[1] + _resolve_length(match[2], "stroke-width", context), style
     )
 
 

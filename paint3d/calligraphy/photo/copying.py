@@ -1,7 +1,8 @@
 """From a photograph to a page of strokes: the steps in order.
 
-The sheet is found and laid flat, its light taken out, black ink told from red; the ink's shape is
-taken apart into strokes as a font's is, and along each it is measured how dry the brush was.
+The sheet is found and laid flat, its light taken out, black ink separated from red; the ink's
+shape is taken apart into strokes as a font's is, and along each it is measured how dry the brush
+was.
 """
 
 from __future__ import annotations

@@ -41,7 +41,7 @@ _NOTCH = 0.25  # half widths: notches of a rough edge, up to twice as wide, are 
 _GAP = 0.5  # the same of bare streaks, of a stroke that has streaks
 _DRY_GAP = 1.0  # the same where there are many
 _STREAK = 0.16  # of a width: half of a streak's
-_MANY, _MANY_NEAR = 0.16, 0.45  # fraction of a place that streaks cover; widths around it
+_MANY, _MANY_NEAR = 0.16, 0.45  # fraction of a pixel that streaks cover; widths around it
 _SOME, _ANY, _SOME_NEAR = 0.03, 0.003, 0.8  # the same of a few, and of one
 _FAINT_BODY = 0.02  # the same: there faint ink is a stroke's, too
 _ALONG = 2.0  # widths: bare bits of a hair's way up to so long belong to the stroke
@@ -613,10 +613,10 @@ def _nest_rings(rings: Sequence[Polygon]) -> list[Polygon]:
 
 
 # ---- Ink and seals -------------------------------------------------------------------------------
-# Black ink and red seals told apart: inks over each other add in density, -log10 of the light.
+# Black ink and red seals separated: inks over each other add in density, -log10 of the light.
 #
-# The density of every place is made of black and of red, neither less than none (least squares).
-# Red is the sheet's own: the mean direction of its most coloured places.
+# The density of every pixel is made of black and of red, neither less than none (least squares).
+# Red is the sheet's own: the mean direction of its most coloured pixels.
 
 
 _BLACK = np.ones(3) / np.sqrt(3.0)
@@ -679,7 +679,7 @@ def _red_of(density: AnyArray) -> NDArray[np.float64]:
 
 
 def rubbed(sheet: NDArray[np.float32]) -> Inks:
-    """The white strokes of a rubbing as if they were ink: how far a place is from its black ground.
+    """The white strokes of a rubbing as if they were ink: how far a pixel is from its black ground.
 
     Parameters
     ----------

@@ -4,7 +4,7 @@ Every threshold of a few planes (brightness, colour) has connected areas; those 
 four-sided are candidates. Each is judged by its weakest side, for a sheet differs from the table
 along all four, while a shadow's edge, or a stack of paper, ends somewhere. The sides of the best
 one are then drawn anew: along each, where brightness or colour changes most across it, a line is
-fitted to the places that agree.
+fitted to the pixels that agree.
 """
 
 from __future__ import annotations
@@ -173,7 +173,7 @@ _ROUNDS = ((0.03, 6), (0.008, 6))  # of the picture to either side, and how ofte
 
 @dataclass(frozen=True, eq=False)
 class _Planes:
-    """Planes (H, W) that are compared, each in units of how much it varies from place to place."""
+    """Planes (H, W) that are compared, each in units of how much it varies across the sheet."""
 
     planes: tuple[NDArray[np.float32], ...]
 
@@ -449,7 +449,7 @@ def _fit_side(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> 
     at = strong.argmax(axis=1)
     best = middles[at] + _peak_offset(strong, at)
     weight = strong.max(axis=1)
-    weight = np.minimum(weight, np.median(weight))  # a seal is stronger, but only in some places
+    weight = np.minimum(weight, np.median(weight))  # a seal is stronger, but only in some pixels
     fraction = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
     slope, height = _line_through(fraction, best, weight, 0.25 * reach)
     normal = _side_normal(start, end)
@@ -527,13 +527,13 @@ _NEAR = (0.008, 0.02, 0.06, 0.25)  # of the longer side: from where paper is tak
 _ENOUGH = 0.25  # of paper within that distance
 _BLACK = 0.3  # of the light of bright paper around: darker than a shadow
 _RED = 1.35  # times the paper's own red over green and blue: a seal
-_NARROW = 0.05  # of the longer side: narrower dark places are ink, broader ones shadow
+_NARROW = 0.05  # of the longer side: narrower dark pixels are ink, broader ones shadow
 _DARKER = 0.9  # of the paper's light
 _DARKEST = 1e-3
 
 
 def flattened(sheet: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Reflectance of every place of a sheet, as a fraction of the paper's.
+    """Reflectance of every pixel of a sheet, as a fraction of the paper's.
 
     Parameters
     ----------
@@ -597,7 +597,7 @@ def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
 
 
 def _spread_light(small: AnyArray, is_paper: AnyArray, longest: int) -> NDArray[np.float32]:
-    """The light of places that are paper, spread over all: normalized blurs, nearest first."""
+    """The light of pixels that are paper, spread over all: normalized blurs, nearest first."""
     weight = is_paper.astype(np.float32)
     if not weight.any():
         weight[:] = 1.0

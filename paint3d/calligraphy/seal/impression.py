@@ -2,9 +2,9 @@
 
 A pad below (or behind) the stone gives way, so that it lies on the surface as a sheet does and
 presses less where that falls away from it. Paste is uneven: thicker along the edges of what is cut,
-patchy within, worn off where the stone's rim has been knocked. All of it follows from the place on
-the stone and a number, so the same seal is the same everywhere and at every resolution; and all of
-it is made of sums, products and roots, so it is to the bit what `web/src/seal/print.ts` leaves.
+patchy within, worn off where the stone's rim has been knocked. All of it follows from the position
+on the stone and a number, so the same seal is the same everywhere and at every resolution; and all
+of it is made of sums, products and roots, so it is to the bit what `web/src/seal/print.ts` leaves.
 """
 
 from __future__ import annotations
@@ -341,7 +341,7 @@ def _noise(xy: AnyArray, cell_mm: float, seed: int) -> AnyArray:
 
 
 def _hash_lattice(i: AnyArray, j: AnyArray, seed: int) -> AnyArray:
-    """A number from -1 to 1 for each place of a lattice (splitmix64's finaliser)."""
+    """A number from -1 to 1 for each point of a lattice (splitmix64's finaliser)."""
     x = (i.astype(np.uint64) << np.uint64(32)) ^ (j.astype(np.uint64) & np.uint64(0xFFFFFFFF))
     x += np.uint64((0x9E3779B97F4A7C15 * (seed + 1)) % 2**64)
     for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)):

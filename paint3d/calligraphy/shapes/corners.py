@@ -24,7 +24,7 @@ __all__ = ["cut_at_corners", "cut_branch"]
 _SHARP = 50.0  # degrees
 _NEAR, _FAR = 0.8, 3.0  # half widths beside a corner between which its legs are taken
 _LEAST = 2.2  # half widths from a corner to the branch's end
-_STEP = 0.25  # half widths between the places looked at
+_STEP = 0.25  # half widths between the points looked at
 _BEGINNING = (-105.0, -10.0)  # where a corner opens to, degrees: two strokes begin there
 _ENDING = (15.0, 160.0)  # and there one ends at another, if a ring closes
 _TRIES = 8  # corners of one branch
@@ -77,7 +77,7 @@ def cut_branch(
 
 
 def _nearest_point(positions: AnyArray, points: AnyArray) -> NDArray[np.int64]:
-    """Index of the nearest of points (M, 2) to each of places (N, 2), a block at a time."""
+    """Index of the nearest of points (M, 2) to each of others (N, 2), a block at a time."""
     size = max(1, _AT_ONCE // len(points))
     nearest = np.empty(len(positions), np.int64)
     for start in range(0, len(positions), size):

@@ -183,7 +183,7 @@ def _ink_of(part: Polygon) -> Ink:
 
 
 def thinnest_within(points: AnyArray) -> float:
-    """Least width of a part that reaches so far, places (N, 2), that is no hairline."""
+    """Least width of a part that reaches so far, points (N, 2), that is no hairline."""
     return float(max(_HAIRLINE * np.ptp(points, axis=0).max(), _GRAIN * np.abs(points).max()))
 
 

@@ -64,7 +64,7 @@ def _write_container(
     ----------
     path : Path
     document : dict
-        With meshes, materials and accessors; these refer to `blocks` by their places.
+        With meshes, materials and accessors; these refer to `blocks` by index.
     blocks : sequence of (array or bytes, target or None)
         What the buffer views hold, in order, and what the graphics card takes them for.
 
@@ -580,7 +580,7 @@ def _check_unpacked(values: AnyArray, accessor: dict[str, Any]) -> AnyArray:
 
 
 # ---- Millimetres to the bit ----------------------------------------------------------------------
-# What metres in float32 lose of millimetres in float32: at the most one step of the last place.
+# What metres in float32 lose of millimetres in float32: at the most one unit in the last place.
 #
 # Between 1.953 and 2 times a power of two, metres lie nearly twice as far apart as the millimetres
 # that they stand for, so that half of these would come back as their neighbours. A binary glTF,
@@ -619,7 +619,7 @@ def find_steps(
 
 
 def _take_steps(metres: NDArray[np.float64], codes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return metres (V, 3) that give back, in float32, the mm that `find_steps` was told (V,)."""
+    """Return metres (V, 3) that give back, in float32, the mm that `find_steps` encoded (V,)."""
     known = np.clip(np.nan_to_num(codes), -_MIDDLE, _MIDDLE)
     steps = (np.rint(known).astype(np.int32) + _MIDDLE)[:, None] // _PLACES % 3 - 1
     mm = (_in_mm(metres).view(np.int32) + steps.astype(np.int32)).view(np.float32)
@@ -681,7 +681,7 @@ class GltfPaint:
     def look_of(
         self, primitive: dict[str, Any], n: int, wanted: bool = True
     ) -> tuple[int, NDArray[np.float64] | None]:
-        """Return which look a primitive of n vertices has, and its places (n, 2) on the picture.
+        """Return which look a primitive of n vertices has, and its texture coordinates (n, 2).
 
         -1 where it has none that shows, or none is wanted: what is dropped is noted all the same.
         """
@@ -1068,7 +1068,7 @@ def write_glb(
     srgb : (V, 3) uint8
     finish : Finish
         Of the material; its name is the mesh's too. Where vertices have roughnesses of their own,
-        these are places in a texture that is a scale of roughness: glTF knows none at vertices.
+        these are coordinates in a texture that is a scale of roughness: glTF has none at vertices.
     unlit : bool
         Show the colours without light (KHR_materials_unlit).
     steps : (V,) float32, optional
@@ -1109,7 +1109,7 @@ def _add_roughness_scale(
     accessors: list[dict[str, Any]],
     blocks: list[tuple[AnyArray | bytes, int | None]],
 ) -> dict[str, Any]:
-    """Add a texture of all roughnesses from 0 to 1, and each vertex's place in it."""
+    """Add a texture of all roughnesses from 0 to 1, and each vertex's coordinate in it."""
     png = _encode_png_row(_roughness_codes(np.arange(256.0)[None]))
     positions = np.full((len(roughness), 2), 0.5, "<f4")
     positions[:, 0] = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0

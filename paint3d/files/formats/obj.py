@@ -139,7 +139,7 @@ def _library_names(words: bytes, folder: Path) -> list[str]:
 def _read_face_looks(
     lines: Sequence[bytes], names: dict[bytes, int], n_corners: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return each face's material (-1: none) and each corner's texture place (-1: none)."""
+    """Return each face's material (-1: none) and each corner's texture coordinate (-1: none)."""
     look, looks = -1, []
     texture_ids = np.full(n_corners, -1, np.int64)
     so_far = at = 0

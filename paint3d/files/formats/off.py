@@ -144,7 +144,7 @@ def _columns(table: list[list[bytes]], columns: slice) -> NDArray[np.float64]:
 def _read_attributes(
     table: list[list[bytes]], kind: bytes
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.uint8] | None, tuple[Message, ...]]:
-    """Return normals (V, 3), colours (V, 3), and what is told of them.
+    """Return normals (V, 3), colours (V, 3), and notes on them.
 
     Geomview has normals before colours, MeshLab after them: those of length 1 are normals. Where
     the file's first word says neither, whole numbers to 255 are colours.
@@ -192,7 +192,7 @@ def _read_face_colours(
     """Return colours (P, 3) after the corners of faces: whole numbers to 255, or fractions to 1.
 
     Faces without one are grey, as the format says, where others have some. A single number is a
-    place in a table that the viewer has; it is left out.
+    index into a table that the viewer has; it is left out.
     """
     after = [row[1 + int(row[0]) :] for row in table]
     coloured = np.array([len(words) >= 3 for words in after], np.bool_)

@@ -112,7 +112,7 @@ class Seen(NamedTuple):
 
 
 class _Group(NamedTuple):
-    values: NDArray[np.float64]  # colours (N, 3), or places on a picture (N, 2)
+    values: NDArray[np.float64]  # colours (N, 3), or texture coordinates (N, 2)
     look: int  # -1: colours
 
 
@@ -155,7 +155,7 @@ class Paint3mf:
         Raises
         ------
         MeshError
-            If one refers to a colour or a place on a picture that its group does not have.
+            If one refers to a colour or a texture coordinate that its group does not have.
         """
         groups = self._groups_of_part(part, model)
         colours = np.full((len(triangles), 3, 3), 255.0)
@@ -638,7 +638,7 @@ def write_3mf(
 ) -> None:
     """Write one object with the colours of all three corners, or one filament, on each triangle.
 
-    Vertices in one place become one, so that what was closed is closed in the file although its
+    Vertices at one position become one, so that what was closed is closed in the file although its
     creases had several normals. The specification forbids triangles that name a vertex twice;
     they are left out.
 
@@ -709,7 +709,7 @@ def _weld(vertices: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[n
 
 
 def _distinct_colours(srgb: NDArray[np.uint8]) -> tuple[list[str], NDArray[np.int32]]:
-    """Return the different colours as hex, and the place of each vertex's one."""
+    """Return the different colours as hex, and the index of each vertex's."""
     packed = (srgb.astype(np.uint32) << np.array([16, 8, 0], np.uint32)).sum(axis=1)
     used = np.zeros(1 << 24, np.int32)
     used[packed] = 1

@@ -246,7 +246,7 @@ class Journal:
         Raises
         ------
         ExportError
-            If the mark could not be written; told once.
+            If the mark could not be written; raised once.
         """
         self._closing.set()
         self._syncing.join()

@@ -150,7 +150,7 @@ _FEW_CLIPPED = 0.1  # of the painted vertices, in the painting's own light
 def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
     """Warn of colours that a gamut does not hold, where they are no few; return how many.
 
-    A seal or a blossom on a painting in black is nothing to be told.
+    A seal or a blossom on a painting in black is nothing to report.
     """
     if isinstance(surface, InLight):
         n_clipped, n = surface.seen.n_clipped, len(surface.srgb)

@@ -51,7 +51,7 @@ _DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "
 """Actions of buttons that are commands of a `Document`; the others steer the object."""
 
 _SETTLE_NS = 10_000_000  # how long a device may be late before its readings are merged
-_REMEMBERED = 400  # readings that the rate is found from
+_REMEMBERED = 400  # readings that the rate is computed from
 _LEFT = ("mouse",)
 
 log = logging.getLogger("paint3d")

@@ -1,6 +1,6 @@
 """What fingers on the picture mean: one paints or turns, two move, roll and zoom, taps undo.
 
-Pure steps over places in pixels and times; nothing here has a clock or knows of a window.
+Pure steps over positions in pixels and times; nothing here has a clock or knows of a window.
 
 One finger waits until it has moved or stayed a moment, so that a second one that follows makes a
 gesture of both and leaves no dot. Up to a quarter of a second later the second one takes the stroke

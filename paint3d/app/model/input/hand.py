@@ -1,6 +1,6 @@
 """From a pointer over a picture of the object to a brush standing on it.
 
-A window says where the pointer's ray meets the object, or gives the ray. That place is what every
+A window says where the pointer's ray meets the object, or gives the ray. That point is what every
 sample says as its contact: the middle of the footprint comes to lie there, however the pen leans.
 What a mouse cannot say is made up: the pressure from keys, wheel or speed, and the bend from the
 way, for the tuft trails behind, unless a direction is given (Guo 2015, Table 2: device I). A stroke
@@ -44,7 +44,7 @@ __all__ = [
 ]
 
 # ---- How the brush stands ------------------------------------------------------------------------
-# How a brush stands over the place that a pointer means: its lean, and where its root is.
+# How a brush stands over the point that a pointer means: its lean, and where its root is.
 
 
 _MOST_LEAN = math.radians(60.0)
@@ -129,8 +129,8 @@ def root_over(
 ) -> AnyArray:
     """Root of the tuft when the middle of its footprint lies at a point, on a plane there.
 
-    Painting asks for the place and not for the root (`DeviceSample.contact`); the root is what a
-    recording says besides, and a program that knows no places paints by it.
+    Painting asks for the point and not for the root (`DeviceSample.contact`); the root is what a
+    recording says besides, and a program that knows no points paints by it.
 
     Parameters
     ----------
@@ -204,8 +204,8 @@ _UNDER = 0.07  # of the tuft's length: half a footprint, about
 _SUNK = 0.35  # of that: how far under the surface its rim is looked for
 _OTHER_SIDE = -0.5  # cosine to the normal: what faces farther away is the other side of a wall
 _RIM = np.stack([f(0.25 * math.pi * np.arange(8)) for f in (np.cos, np.sin)], axis=1)
-_TURNS = math.radians(12.0)  # a surface that turns by more between two places is looked at there
-_LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last place is no way to it
+_TURNS = math.radians(12.0)  # a surface that turns by more between two points is looked at there
+_LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last point is no path to it
 
 
 @dataclass(frozen=True, eq=False)
@@ -458,7 +458,7 @@ class Hand:
         time_ns : int
         brush : BrushSpec
         event : PointerInput, optional
-            Of the pen that was lifted: on the way to its place the pressure falls to nothing.
+            Of the pen that was lifted: on the way to its point the pressure falls to nothing.
         """
         state = self._state
         if state is None or state.began_ns is None:
@@ -659,7 +659,7 @@ class Hand:
         return samples
 
     def _drag(self, stand: _Stand, brush: BrushSpec) -> None:
-        """Bring the brush to its place; its tip is dragged along the surface behind it.
+        """Bring the brush to its point; its tip is dragged along the surface behind it.
 
         Over an edge the tip is turned with the surface: laid into the new plane instead, it would
         come to lie under the brush, and point along the edge.
@@ -697,7 +697,7 @@ class Hand:
     def _normal_under(self, point: AnyArray, normal: AnyArray, brush: BrushSpec) -> AnyArray:
         """The mean normal under a footprint: over a crease the handle turns by and by.
 
-        The places on its rim lie a little under the surface, so that those beyond an edge are
+        The points on its rim lie a little under the surface, so that those beyond an edge are
         nearest to the other face.
         """
         ahead = _any_tangent(normal, np.array([1.0, 0.0, 0.0]))
@@ -708,7 +708,7 @@ class Hand:
         return result
 
     def _follow_ruler(self, point: AnyArray, normal: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """The place nearest to a point where the ruler leads from the stroke's beginning.
+        """The point nearest to another where the ruler leads from the stroke's beginning.
 
         Rulers are planes that the surface is cut by: through the first way and the normal there,
         level, or through the object's axis.

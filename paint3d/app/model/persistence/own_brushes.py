@@ -1,4 +1,4 @@
-"""Brushes of one's own, kept as files in a folder of the user's settings."""
+"""Brushes of one's own, stored as files in a folder of the user's settings."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[
 
 
 def own_brush_path(name: str, folder: Path | None = None) -> Path:
-    """The file that a brush of this name is kept in, whatever that is called; or a new one's."""
+    """The file that a brush of this name is stored in, whatever that is called; or a new one's."""
     folder = own_brush_folder() if folder is None else folder
     path = _choose_file(name, folder)
     if _name_in(path) == name:
@@ -55,7 +55,7 @@ def own_brush_path(name: str, folder: Path | None = None) -> Path:
 
 
 def _files(folder: Path) -> list[Path]:
-    """Files of brushes in the order in which they are listed: what is kept here, .toml, first."""
+    """Files of brushes in the order in which they are listed: what is stored here, .toml, first."""
     try:
         files = sorted(path for path in folder.iterdir() if is_parameter_file(path.name))
     except OSError:

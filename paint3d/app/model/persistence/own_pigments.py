@@ -73,7 +73,7 @@ def check_unlike_palette(pigments: Iterable[Pigment], source: str) -> None:
 
 
 def own_pigments(tables: Mapping[str, str]) -> OwnPigments:
-    """Read the tables that were kept.
+    """Read the tables that were stored.
 
     Parameters
     ----------

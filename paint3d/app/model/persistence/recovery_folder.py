@@ -1,4 +1,4 @@
-"""What a crash would lose, kept while painting: a base to start from, and a journal of all since.
+"""What a crash would lose, stored while painting: a base to start from, and a journal of all since.
 
 A recovery folder belongs to one painting. ``base-K.p3d`` is the painting at a moment,
 ``journal-K.p3dj`` all samples and commands since, in order; doing them again on the base gives the

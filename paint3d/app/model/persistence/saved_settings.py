@@ -129,7 +129,7 @@ def chosen_material(settings: Settings) -> str:
 
 
 def chosen_inks(settings: Settings) -> list[Mixture | str | Pigment]:
-    """The two inks that a user had at hand last; the default in the place of any other."""
+    """The two inks that a user had at hand last; the default in place of any other."""
     palette = {*load_palette(), WATER.name}
     own = own_pigments(settings.pigment_tables).pigments if settings.pigment_tables else {}
     inks: list[Mixture | str | Pigment] = []

@@ -1,4 +1,4 @@
-"""What a user has chosen, kept as JSON in the user's config folder."""
+"""What a user has chosen, stored as JSON in the user's config folder."""
 
 from __future__ import annotations
 
@@ -125,7 +125,7 @@ class Settings:
     feel : dict of str to float
         What of a haptic stylus is the user's choice: see `Feel`.
     window : dict
-        What the window keeps for itself: size, place, panels.
+        What the window keeps for itself: size, position, panels.
     exports : dict
         What was chosen last for exports and films.
     signer : str
@@ -320,10 +320,10 @@ def _set_aside(file: Path) -> str | None:
 
 
 def _parse_settings(text: str) -> Settings:
-    found = json.loads(text, parse_constant=lambda name: math.nan)
-    if not isinstance(found, dict):
-        raise InputError("it holds a {kind}; expected settings by name", kind=type(found).__name__)
-    version = found.pop("version", None)
+    saved = json.loads(text, parse_constant=lambda name: math.nan)
+    if not isinstance(saved, dict):
+        raise InputError("it holds a {kind}; expected settings by name", kind=type(saved).__name__)
+    version = saved.pop("version", None)
     if isinstance(version, bool) or version not in (1, VERSION):
         raise InputError(
             "its version is {version!r}; expected {expected}",
@@ -331,9 +331,9 @@ def _parse_settings(text: str) -> Settings:
             expected=VERSION,
         )
     if version == 1:
-        found.pop("wet", None)  # was written by itself, and never chosen
+        saved.pop("wet", None)  # was written by itself, and never chosen
     known = {own.name for own in dataclasses.fields(Settings)}
-    values = {name: value for name, value in found.items() if name in known}
+    values = {name: value for name, value in saved.items() if name in known}
     for name in ("inks", "mixtures", "recent", "favourite_brushes", "pressure_curve"):
         if isinstance(values.get(name), list):
             values[name] = tuple(
@@ -369,7 +369,7 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
 
 
 # ---- Calibrations --------------------------------------------------------------------------------
-# Where devices stand in the world, kept in the user's settings folder by device.
+# Where devices stand in the world, stored in the user's settings folder by device.
 
 
 def _calibration_file(key: str) -> Path:
@@ -378,7 +378,7 @@ def _calibration_file(key: str) -> Path:
 
 
 def stored_calibration(key: str) -> DeviceCalibration | None:
-    """A device's calibration; None where none was kept.
+    """A device's calibration; None where none was stored.
 
     Raises
     ------

@@ -64,7 +64,7 @@ class InkTable:
         Of the score's header: properties of pigments that are no palette's, by name; what is
         named comes into it.
     apart : bool
-        Whether a second ink of the same name is told from the first by a number.
+        Whether a second ink of the same name is distinguished from the first by a number.
     own_tables : bool
         Whether an ink may be that of a table on this machine; not where a file names it.
     """
@@ -86,7 +86,7 @@ class InkTable:
         Raises
         ------
         RecordingError
-            If there are two inks of one name, and they are not told apart.
+            If there are two inks of one name, and they are not distinguished.
         Paint3DError
             If an ink is not known, or of a table that may not be read.
         """

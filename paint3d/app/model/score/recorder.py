@@ -173,7 +173,7 @@ class ScoreRecorder:
             last["times"] = last.get("times", 1) + 1
             return
         again = isinstance(last, dict) and last["do"] == name and not last.get("refused")
-        if name == "replay_history" and again:  # only the last place that was looked at matters
+        if name == "replay_history" and again:  # only the last position that was looked at matters
             self._events.pop()
         self._events.append(line)
 

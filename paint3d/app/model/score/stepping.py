@@ -39,7 +39,7 @@ class PlaybackStep:
     Attributes
     ----------
     event : int
-        Its place in the score.
+        Its index in the score.
     samples : list of DeviceSample
     command : str
         Name of a method of `Document`; empty for samples.

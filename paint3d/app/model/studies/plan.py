@@ -163,7 +163,7 @@ def make_plan(
 
 
 def _williams(n: int) -> list[list[int]]:
-    """Orders of n things in which each stands in each place, and after each other, equally often.
+    """Orders of n things in which each stands at each position and after each other equally often.
 
     Williams, Australian Journal of Scientific Research A 2 (1949) 149.
     """
@@ -234,7 +234,7 @@ class Answer:
 
 
 def save_answer(folder: Path, plan: StudyPlan, participant: str, answer: Answer) -> Path:
-    """Write down what a participant prefers; an answer given again takes the place of the first.
+    """Write down what a participant prefers; an answer given again replaces the first.
 
     Raises
     ------

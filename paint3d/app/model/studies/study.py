@@ -335,7 +335,7 @@ def _paint_score(file: Path, on: str | None) -> tuple[PaintedSurface, list[Recor
 def _align_clocks(strokes: Sequence[Recording]) -> list[Recording]:
     """Strokes of several sittings, whose clocks started anew, one after the other.
 
-    The devices' own times are kept where they can be of one clock; else the time of day, which is
+    The devices' own times stay where they can be of one clock; else the time of day, which is
     less exact, says how much later a stroke began.
     """
     moved: list[Recording] = []
