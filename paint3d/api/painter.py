@@ -204,7 +204,7 @@ class Painter(StrokePainter):
         """
         from paint3d.calligraphy.glyph_sources import open_glyphs
         from paint3d.calligraphy.photo.copying import Asked, check_widths, copy_sheet
-        from paint3d.calligraphy.photo.rehearsal import rehearsed
+        from paint3d.calligraphy.photo.rehearsal import rehearse
         from paint3d.files.photographs import load_photograph
 
         path, surface = Path(photo), self.surface
@@ -230,7 +230,7 @@ class Painter(StrokePainter):
                 trial.replay(_inked(plan, fresh))
                 return fresh
 
-            return rehearsed(written, on_trial, surface.material, rehearsals, sheet)
+            return rehearse(written, on_trial, surface.material, rehearsals, sheet)
 
         plan = partial(write_page, composer=sheet.page)
         layout = Layout(at=at, side=side)

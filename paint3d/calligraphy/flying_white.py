@@ -30,7 +30,7 @@ from paint3d.errors import InputError
 __all__ = [
     "BLACKEST",
     "DENSITY",
-    "diluted",
+    "dilution_for",
     "dryness_at",
     "loads_for",
     "stations_of_motion",
@@ -169,7 +169,7 @@ def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording
     """A recording whose header says with how much water strokes are written (``strengths``).
 
     Of a film that scatters little the density -log10 of the light grows as the ink in it does
-    (Beer and Lambert); see `diluted`.
+    (Beer and Lambert); see `dilution_for`.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording
     if strength is None:
         return recording
     known = np.flatnonzero(np.isfinite(strength))
-    fraction = diluted(np.asarray(strength)[known])
+    fraction = dilution_for(np.asarray(strength)[known])
     first = np.ones(len(known), bool)
     first[1:] = (np.diff(known) > 1) | (np.diff(fraction) != 0.0)
     changes = [
@@ -198,7 +198,7 @@ def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording
     return replace(recording, header={**recording.header, "strengths": changes})
 
 
-def diluted(strength: AnyArray) -> NDArray[np.float64]:
+def dilution_for(strength: AnyArray) -> NDArray[np.float64]:
     """Fraction of ink in water that takes a fraction of the light that black ink takes.
 
     A written stroke is thicker than what would be black: strokes of soot with water come to a

@@ -38,14 +38,14 @@ def icc_profile(gamut: str) -> bytes:
     matrix = np.asarray(ADAPTATIONS["bradford"])
     to_d50 = adapt_white(matrix, WHITE_XYZ, np.array(_D50))
     primaries = to_d50 @ np.linalg.inv(GAMUTS[gamut].rgb_from_xyz)
-    curve = b"para" + struct.pack(">IHH", 0, 3, 0) + _fixed(_CURVE)
+    curve = b"para" + struct.pack(">IHH", 0, 3, 0) + _pack_fixed(_CURVE)
     tags = [
         (b"desc", _multilingual_text(GAMUTS[gamut].title)),
         (b"cprt", _multilingual_text(_COPYRIGHT)),
-        (b"wtpt", b"XYZ " + bytes(4) + _fixed(_D50)),
-        (b"chad", b"sf32" + bytes(4) + _fixed(to_d50.ravel())),
+        (b"wtpt", b"XYZ " + bytes(4) + _pack_fixed(_D50)),
+        (b"chad", b"sf32" + bytes(4) + _pack_fixed(to_d50.ravel())),
         *(
-            (b"%cXYZ" % c, b"XYZ " + bytes(4) + _fixed(primaries[:, k]))
+            (b"%cXYZ" % c, b"XYZ " + bytes(4) + _pack_fixed(primaries[:, k]))
             for k, c in enumerate(b"rgb")
         ),
         *((b"%cTRC" % c, curve) for c in b"rgb"),
@@ -68,7 +68,7 @@ def _icc_header(size: int) -> bytes:
         + struct.pack(">6H", 2026, 1, 1, 0, 0, 0)  # a fixed day: the same painting, the same bytes
         + b"acsp"
         + bytes(28)
-        + _fixed(_D50)
+        + _pack_fixed(_D50)
         + bytes(48)
     )
 
@@ -78,6 +78,6 @@ def _multilingual_text(words: str) -> bytes:
     return b"mluc" + struct.pack(">IIIHHII", 0, 1, 12, 0x656E, 0x5553, len(utf16), 28) + utf16
 
 
-def _fixed(numbers: AnyArray | tuple[float, ...]) -> bytes:
+def _pack_fixed(numbers: AnyArray | tuple[float, ...]) -> bytes:
     """Numbers as s15Fixed16."""
     return np.rint(np.asarray(numbers, np.float64) * 65536.0).astype(">i4").tobytes()

@@ -120,7 +120,7 @@ class PreparedExport:
         ExportError
             If the suffix is not known, or the format cannot do what is asked.
         """
-        suffix = _checked_suffix(path, self.options)
+        suffix = _check_suffix(path, self.options)
         return replace(self, path=path, suffix=suffix)
 
     def write(self, progress: Progress | None = None) -> None:
@@ -144,7 +144,7 @@ class PreparedExport:
             painting = painting.baked()
         report(0.5)
         unit = options.unit or form.unit
-        painting = painting.placed(unit, options.up_axis or form.up_axis)
+        painting = painting.converted(unit, options.up_axis or form.up_axis)
         material = plain_name(painting.material)
         title = plain_name(self.path.name[: -len(self.suffix)]) or material
         report(1.0)
@@ -175,11 +175,11 @@ def prepare_export(
         If the suffix is not known, or the format cannot do what is asked.
     """
     path = Path(path)
-    suffix = _checked_suffix(path, options)
+    suffix = _check_suffix(path, options)
     return PreparedExport(path, suffix, options, read_painting(surface, options, progress))
 
 
-def _checked_suffix(path: Path, options: ExportOptions) -> str:
+def _check_suffix(path: Path, options: ExportOptions) -> str:
     suffix = check_export_path(path)
     if suffix not in FORMATS:
         raise ExportError(

@@ -295,14 +295,12 @@ def _make_reading(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
         normals=None if raw.normals is None else turn_rows(raw.normals, turn),
     )
     unit_mm = UNITS_MM[wanted.unit] if wanted.unit else raw.unit_mm or 1.0
-    reading = _checked_mesh(raw, raw.vertices * unit_mm, name, wanted)
+    reading = _check_mesh(raw, raw.vertices * unit_mm, name, wanted)
     knows_up = (wanted.up or raw.up) is not None
     return replace(reading, knows_up=knows_up, unit_mm=unit_mm, up=up)
 
 
-def _checked_mesh(
-    raw: RawMesh, vertices: NDArray[np.float64], name: str, wanted: Wanted
-) -> Reading:
+def _check_mesh(raw: RawMesh, vertices: NDArray[np.float64], name: str, wanted: Wanted) -> Reading:
     if len(raw.sizes) == 0:
         return _make_from_points(raw, vertices, name, wanted.from_points)
     pictured = raw.look_of is not None and len(raw.looks) > 0

@@ -406,7 +406,7 @@ class SampleRows:
         """
         if not self.accepted.issuperset(sample):
             self._accept_keys(sample)
-        right = _nested(sample, _RIGHT) or sample
+        right = _optional_object(sample, _RIGHT) or sample
         if right is not sample and not self.accepted.issuperset(right):
             self._accept_keys(right)
         time_ns = _read_integer(
@@ -435,7 +435,7 @@ class SampleRows:
         buttons = (
             _read_integer(button_owner, "buttons", 0, 2**31 - 1) if "buttons" in button_owner else 0
         )
-        left = _nested(sample, _LEFT)
+        left = _optional_object(sample, _LEFT)
         if left is not None:
             self.object = (_read_vector(left, "position", 3, _LARGEST), _read_quaternion(left))
         self.times.append(time_ns)
@@ -471,7 +471,7 @@ class SampleRows:
         )
 
 
-def _nested(sample: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any] | None:
+def _optional_object(sample: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any] | None:
     for name in names:
         value = sample.get(name)
         if value is not None:

@@ -181,7 +181,7 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
         )
     both = (_QUATERNION, tuple(f"tool_{q}" for q in _QUATERNION))
     quaternion = next((names for names in both if _first_present(table, names)), None)
-    units = _checked_units(table, header)
+    units = _check_units(table, header)
     header = {key: value for key, value in header.items() if key != "units"}
     notes: list[str] = []
     if quaternion is not None:
@@ -272,7 +272,7 @@ def _unread_notes(table: NumberTable) -> list[str]:
     return [Message("columns not read: {names}", names=names)] if names else []
 
 
-def _checked_units(table: NumberTable, header: dict[str, Any]) -> dict[str, Any]:
+def _check_units(table: NumberTable, header: dict[str, Any]) -> dict[str, Any]:
     """Units of positions and times in the header, which may not contradict the columns' names."""
     try:
         units = units_of(header, tuple(TO_NS))

@@ -29,7 +29,7 @@ from paint3d.app.model.edit_history import (
     without_refusals,
 )
 from paint3d.app.model.input.symmetry import Symmetry
-from paint3d.app.model.laid_text import LaidText, packed_texts, unpacked_texts
+from paint3d.app.model.laid_text import LaidText, pack_texts, unpack_texts
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words, hair_words
 from paint3d.app.model.persistence.saved_history import MOST_BYTES, restore_history, saved_history
@@ -49,7 +49,7 @@ from paint3d.app.model.stroke_log import (
     ERASES,
     Stroke,
     StrokeLog,
-    checked_pairs,
+    check_pairs,
     names_apart,
     parts_of,
     strokes_of,
@@ -160,7 +160,7 @@ class Document:
         self._saved_at: int | None = 0
         self.left_out = False
         self._recordings = tuple(saved.recordings if saved else ())
-        self._texts = unpacked_texts(self.properties.pop("texts", []))
+        self._texts = unpack_texts(self.properties.pop("texts", []))
         self._log = StrokeLog(saved.strokes if saved else (), self.properties.get("brushes", {}))
         surface.use_layers()
         self._dipped_since_stroke = self.properties.get("fresh", True) is not False
@@ -212,13 +212,13 @@ class Document:
 
     def _capture_state(self) -> dict[str, object]:
         """State that undo restores besides the surface."""
-        texts = packed_texts(self._texts)
+        texts = pack_texts(self._texts)
         return {"painter": self.painter.keep(), "dipped": self._dipped_since_stroke, "texts": texts}
 
     def _restore_state(self, state: Any) -> None:
         self.painter.restore(state["painter"])
         self._dipped_since_stroke = state["dipped"]
-        self._texts = unpacked_texts(state["texts"])
+        self._texts = unpack_texts(state["texts"])
 
     # -- opening and saving ---------------------------------------------------------------
 
@@ -638,8 +638,8 @@ class Document:
         self._refuse_in_stroke(Message("beginning another stroke"))
         self._end_preview()
         self._refused = True
-        loads = checked_pairs("loads", loads)
-        strengths = checked_pairs("strengths", strengths, LEAST_INK)
+        loads = check_pairs("loads", loads)
+        strengths = check_pairs("strengths", strengths, LEAST_INK)
         layer = self._require_paintable()
         painter = self.painter
         stroke = self._log.begin(
@@ -1217,7 +1217,7 @@ class Document:
                 count=count,
             )
         changed = (*self._texts[:number], *by, *self._texts[number + 1 :])
-        unpacked_texts([text.words() for text in changed])  # not too many
+        unpack_texts([text.words() for text in changed])  # not too many
         self._end_preview()
         self._undo.begin(COMMANDS[command].undo_label)
         self._texts = changed

@@ -17,7 +17,7 @@ from paint3d.calligraphy.layout import LAYOUTS, LEAST_EM_MM, MOST_EM_MM, Layout
 from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError
 
-__all__ = ["GRIDS", "LaidText", "packed_texts", "unpacked_texts"]
+__all__ = ["GRIDS", "LaidText", "pack_texts", "unpack_texts"]
 
 GRIDS = ("frame", "mi", "jiu", "tian", "columns", "none")
 """What is drawn around characters: their squares alone; with a cross and diagonals (米字格), nine
@@ -173,12 +173,12 @@ class LaidText:
         return dataclasses.replace(self, **changes)
 
 
-def packed_texts(texts: Iterable[LaidText]) -> str:
+def pack_texts(texts: Iterable[LaidText]) -> str:
     """Texts as one line of JSON."""
     return json.dumps([text.words() for text in texts], ensure_ascii=False)
 
 
-def unpacked_texts(packed: object) -> tuple[LaidText, ...]:
+def unpack_texts(packed: object) -> tuple[LaidText, ...]:
     """The texts of such a line, or of the list that it holds.
 
     Raises

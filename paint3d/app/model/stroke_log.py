@@ -27,7 +27,7 @@ __all__ = [
     "ERASES",
     "Stroke",
     "StrokeLog",
-    "checked_pairs",
+    "check_pairs",
     "names_apart",
     "parts_of",
     "recording_of",
@@ -237,7 +237,7 @@ class StrokeLog:
         return recording_of(samples, {**strokes[0].header(), **changes, "object": object_name})
 
 
-def checked_pairs(
+def check_pairs(
     name: str, changes: Sequence[tuple[int, float]], least: float = 0.0
 ) -> tuple[tuple[int, float], ...]:
     """Pairs of a stroke's samples and fractions, the fractions from `least` to 1.

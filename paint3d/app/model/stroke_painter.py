@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.app.model.input.symmetry import Symmetry, transformed
+from paint3d.app.model.input.symmetry import Symmetry, transform_samples
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
@@ -56,7 +56,7 @@ class ImagePainter:
         self, samples: Sequence[DeviceSample], then: Callable[[], None] = lambda: None
     ) -> None:
         """Paint the image of what the hand did, and do something while this brush is in hand."""
-        moved = transformed(samples, self._image)
+        moved = transform_samples(samples, self._image)
         with self._exchange_ink():
             self._twin.advance(moved)
             then()

@@ -31,18 +31,18 @@ from paint3d.calligraphy.photo.ink_mask import (
     InkMask,
     find_carved,
     find_ink,
+    invert_rubbing,
     polygons_in,
-    rubbed,
-    unmixed,
+    unmix_inks,
 )
 from paint3d.calligraphy.photo.sheet import (
+    check_corners,
     check_exposure,
     check_ground,
-    checked_corners,
     find_sheets,
-    flattened,
+    remove_light,
     sheet_size,
-    straightened,
+    straighten,
     white_on_dark,
     whole_picture,
 )
@@ -55,7 +55,14 @@ from paint3d.errors import InputError, Message
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["Asked", "CopiedSheet", "SheetPicture", "check_widths", "copy_sheet", "seen_again"]
+__all__ = [
+    "Asked",
+    "CopiedSheet",
+    "SheetPicture",
+    "check_widths",
+    "copy_sheet",
+    "find_photographed_sheet",
+]
 
 _LONGEST = 1600  # pixels of the straightened sheet
 _MOST_STROKES = 4000  # of a sheet: more take minutes to be found
@@ -189,12 +196,12 @@ def copy_sheet(
     """
     asked = asked or Asked()
     corners, *others = _find_sheets(pixels, asked)
-    sheet = straightened(pixels, corners, sheet_size(corners, pixels.shape[:2], _LONGEST))
-    reflected, paper = flattened(sheet)
+    sheet = straighten(pixels, corners, sheet_size(corners, pixels.shape[:2], _LONGEST))
+    reflected, paper = remove_light(sheet)
     if not asked.invert:
         check_ground(sheet)
         check_exposure(sheet, paper)
-    inks = rubbed(sheet) if asked.invert else unmixed(reflected)
+    inks = invert_rubbing(sheet) if asked.invert else unmix_inks(reflected)
     ink = (find_carved if asked.invert else find_ink)(inks.black, asked.darker)
     characters = _find_characters(ink, asked)
     per_unit = _em_of(characters) / EM_UNITS
@@ -242,7 +249,7 @@ def copy_sheet(
     return replace(copied, notes=tuple(note for note in notes if note is not None))
 
 
-def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPicture:
+def find_photographed_sheet(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPicture:
     """A page of a file of strokes on the photographed sheet that they were found on.
 
     Parameters
@@ -265,8 +272,8 @@ def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPict
     margin = _BESIDE * max(there.size)
     if not ((low > -margin).all() and (high < np.array(there.size[::-1]) + margin).all()):
         raise InputError("the strokes lie beside the sheet; expected them on it")
-    corners = checked_corners(there.corners / scale, pixels.shape[:2])
-    picture = srgb_from_linear(straightened(pixels, corners, there.size))
+    corners = check_corners(there.corners / scale, pixels.shape[:2])
+    picture = srgb_from_linear(straighten(pixels, corners, there.size))
     return SheetPicture(
         page, there.size, there.per_unit, there.origin, picture=picture, corners=corners
     )
@@ -290,7 +297,7 @@ def _find_characters(ink: InkMask, asked: Asked) -> list[Character]:
 def _find_sheets(pixels: NDArray[np.uint8], asked: Asked) -> list[NDArray[np.float64]]:
     """The corners of the sheet as it is asked for, then those of others that stand out."""
     if asked.corners is not None:
-        return [checked_corners(asked.corners, pixels.shape[:2])]
+        return [check_corners(asked.corners, pixels.shape[:2])]
     if asked.whole:
         return [whole_picture(pixels)]
     try:

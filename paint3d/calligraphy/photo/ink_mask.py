@@ -23,10 +23,10 @@ __all__ = [
     "bodies_in",
     "find_carved",
     "find_ink",
+    "invert_rubbing",
     "otsu",
     "polygons_in",
-    "rubbed",
-    "unmixed",
+    "unmix_inks",
 ]
 
 # ---- Bodies of strokes ---------------------------------------------------------------------------
@@ -641,7 +641,7 @@ class Inks:
     red: NDArray[np.float32]
 
 
-def unmixed(reflected: NDArray[np.float32]) -> Inks:
+def unmix_inks(reflected: NDArray[np.float32]) -> Inks:
     """Tell black ink from red.
 
     Parameters
@@ -678,7 +678,7 @@ def _red_of(density: AnyArray) -> NDArray[np.float64]:
     return result
 
 
-def rubbed(sheet: NDArray[np.float32]) -> Inks:
+def invert_rubbing(sheet: NDArray[np.float32]) -> Inks:
     """The white strokes of a rubbing as if they were ink: how far a pixel is from its black ground.
 
     Parameters

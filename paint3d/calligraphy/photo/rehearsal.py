@@ -26,13 +26,13 @@ from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["rehearsed"]
+__all__ = ["rehearse"]
 
 _TAKEN = 0.8  # of what is missing: all of it swings
 _PALE = 0.9999  # of the light that black ink takes: no ink without water
 
 
-def rehearsed(
+def rehearse(
     written: Written,
     paint: Callable[[Written], PaintedSurface],
     material: Material,

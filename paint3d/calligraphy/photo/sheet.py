@@ -27,15 +27,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "blur_matrix",
+    "check_corners",
     "check_exposure",
     "check_ground",
-    "checked_corners",
     "find_sheets",
-    "flattened",
     "homography",
     "map_points",
+    "remove_light",
     "sheet_size",
-    "straightened",
+    "straighten",
     "white_on_dark",
     "whole_picture",
 ]
@@ -115,7 +115,7 @@ def _side_ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
     return math.sqrt(float((h1**2 / scale).sum() / (h2**2 / scale).sum()))
 
 
-def straightened(
+def straighten(
     pixels: NDArray[np.uint8], corners: AnyArray, size: tuple[int, int]
 ) -> NDArray[np.float32]:
     """A sheet laid flat, in linear light.
@@ -189,7 +189,7 @@ def whole_picture(pixels: AnyArray) -> NDArray[np.float64]:
     return np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
 
 
-def checked_corners(corners: AnyArray, shape: tuple[int, int]) -> NDArray[np.float64]:
+def check_corners(corners: AnyArray, shape: tuple[int, int]) -> NDArray[np.float64]:
     """Corners (4, 2) that were given, in pixels of a picture of height and width `shape`.
 
     Raises
@@ -532,7 +532,7 @@ _DARKER = 0.9  # of the paper's light
 _DARKEST = 1e-3
 
 
-def flattened(sheet: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def remove_light(sheet: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Reflectance of every pixel of a sheet, as a fraction of the paper's.
 
     Parameters

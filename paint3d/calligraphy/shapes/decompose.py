@@ -27,9 +27,9 @@ from paint3d.calligraphy.shapes.transfer import (
     KnownStrokes,
     Labelled,
     fit_of,
-    in_known_order,
     label_chains,
     lay_over,
+    order_as_known,
 )
 from paint3d.calligraphy.shapes.triangles import triangulate
 from paint3d.core.arrays import AnyArray
@@ -118,7 +118,7 @@ def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> l
             mine = [(piece, None) for piece in _decompose_by_shape(_ink_of(part))]
         for piece, stroke in mine:  # what lies beside a dot is no part of it
             own.append((piece, dots.get(k, None if stroke in taken else stroke)))
-    return in_known_order(own, best.known, dots=taken)
+    return order_as_known(own, best.known, dots=taken)
 
 
 def _decompose_by_lines(ink: Ink, known: KnownStrokes) -> list[InkStroke]:
@@ -132,7 +132,7 @@ def _decompose_joined(parts: list[Polygon], lines: Sequence[AnyArray]) -> list[I
     inks = [_ink_of(part) for part in parts]
     known = lay_over(lines, inks, _mean_width(parts))
     pieces = [(piece, None) for ink in inks for piece in _decompose_by_lines(ink, known)]
-    return in_known_order(pieces, known, by_start=True)
+    return order_as_known(pieces, known, by_start=True)
 
 
 class _Laid(NamedTuple):

@@ -27,10 +27,10 @@ __all__ = [
     "JoinedForm",
     "PlacedLetter",
     "body_strokes",
-    "directed",
     "form_of",
     "in_writing_order",
     "known_strokes",
+    "orient_line",
 ]
 
 _ALIKE = dict(
@@ -339,7 +339,7 @@ _WHOLE = 0.05  # that, by all of the stroke
 _FIRST_STROKE = 0.06  # of the height, that level strokes are written before others
 
 
-def directed(line: AnyArray, region: Polygon | None = None) -> NDArray[np.float64]:
+def orient_line(line: AnyArray, region: Polygon | None = None) -> NDArray[np.float64]:
     """A line (N, 2) in the direction that it is written in, by its stroke's taper, too, if given.
 
     What is left over of a known letter is judged by its line alone: it has no taper of its own.
@@ -386,7 +386,7 @@ def in_writing_order(pieces: Sequence[InkStroke], *, runs_on: bool = False) -> l
     runs_on : bool
         Whether they are letters that are joined along a line, as in Arabic.
     """
-    turned = [InkStroke(directed(piece.line, piece.region), piece.region) for piece in pieces]
+    turned = [InkStroke(orient_line(piece.line, piece.region), piece.region) for piece in pieces]
     boxes = np.array([piece.region.bounds for piece in turned])
     areas = sum(piece.region.area for piece in turned)
     gap = _GAP * 2.0 * areas / sum(piece.region.length for piece in turned)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, turns_between
 from paint3d.calligraphy.shapes.corners import cut_branch
-from paint3d.calligraphy.shapes.ductus import directed
+from paint3d.calligraphy.shapes.ductus import orient_line
 from paint3d.calligraphy.shapes.regions import Ink, InkStroke, line_of
 from paint3d.calligraphy.shapes.skeleton import Branch
 from paint3d.core.arrays import AnyArray
@@ -27,9 +27,9 @@ __all__ = [
     "KnownStrokes",
     "Labelled",
     "fit_of",
-    "in_known_order",
     "label_chains",
     "lay_over",
+    "order_as_known",
     "register",
     "tangents_of",
 ]
@@ -510,7 +510,7 @@ def _cheapest_sequence(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
     return labels
 
 
-def in_known_order(
+def order_as_known(
     pieces: Sequence[tuple[InkStroke, int | None]],
     known: KnownStrokes,
     *,
@@ -528,7 +528,7 @@ def in_known_order(
         position, forward = known.placed(line, stroke, dots)
         turned = piece.line if forward >= 0.0 else piece.line[::-1]
         if abs(forward) < _UNCLEAR or known.residual(line) > _STRANGE:
-            turned, forward = directed(piece.line), 0.0
+            turned, forward = orient_line(piece.line), 0.0
         if by_start:
             begins = resample(turned, _STEP * known.width, 5)
             begins = begins[: max(3, round(_NEAR_END / _STEP))]

@@ -39,7 +39,7 @@ __all__ = [
     "Untextured",
     "look_of",
     "read_painting",
-    "tell_clipped",
+    "warn_of_clipping",
 ]
 
 # ---- In another light ----------------------------------------------------------------------------
@@ -147,7 +147,7 @@ def codes_in_light(surface: Any, viewing: Viewing) -> Codes:
 _FEW_CLIPPED = 0.1  # of the painted vertices, in the painting's own light
 
 
-def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
+def warn_of_clipping(surface: Any, viewing: Viewing | None) -> int:
     """Warn of colours that a gamut does not hold, where they are no few; return how many.
 
     A seal or a blossom on a painting in black is nothing to report.
@@ -256,7 +256,7 @@ class Painting(NamedTuple):
         """(V, 3) codes, darker where it is wet."""
         return self.srgb if self.look is None else self.look.seen(self.srgb)
 
-    def placed(self, unit: str, up_axis: str) -> Painting:
+    def converted(self, unit: str, up_axis: str) -> Painting:
         """Return the painting in another unit, with another axis up; it is in mm with z up."""
         vertices, normals, steps = self.vertices, self.normals, None
         if up_axis == "y":  # a turn by -90 degrees about x
@@ -366,7 +366,7 @@ def read_painting(
     viewing = options.viewing
     if viewing is not None and not viewing.is_plain:
         surface = InLight(surface, viewing)
-    n_clipped = tell_clipped(surface, viewing)
+    n_clipped = warn_of_clipping(surface, viewing)
     painting = _read_surface(surface, options, progress, roughness)
     if isinstance(painting, Painting):
         gamut = options.gamut or "srgb"

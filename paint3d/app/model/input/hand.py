@@ -87,7 +87,7 @@ def _lean_of(
     return math.cos(angle) * normal + math.sin(angle) / length * aside
 
 
-def _limited_lean(lean: AnyArray, normal: AnyArray) -> AnyArray:
+def _limit_lean(lean: AnyArray, normal: AnyArray) -> AnyArray:
     """Handle's direction, limited to 60 degrees from a normal that turns towards it.
 
     Parameters
@@ -102,7 +102,7 @@ def _limited_lean(lean: AnyArray, normal: AnyArray) -> AnyArray:
     return math.cos(_MOST_LEAN) * normal + math.sin(_MOST_LEAN) * aside
 
 
-def _turned_between(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray:
+def _rotate_between(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray:
     """Turn a vector as one normal turns into another, the shortest way.
 
     Parameters
@@ -665,7 +665,7 @@ class Hand:
         come to lie under the brush, and point along the edge.
         """
         state, last, trail = self._now, self._latest, self._trail(brush)
-        back = _turned_between(last.normal, stand.normal, state.tip - last.point)
+        back = _rotate_between(last.normal, stand.normal, state.tip - last.point)
         step = stand.point - last.point
         back = back - length_of(step) * _project_along(stand.normal, step)
         back = back - (back @ stand.normal) * stand.normal
@@ -758,7 +758,7 @@ class Hand:
             state.sent_ns += max(step_ns, _STEP_NS)
             stand = replace(
                 self._latest, time_ns=state.sent_ns, point=state.point, normal=state.normal,
-                pressure=pressure if state.has_pressure else pressure * _eased(1.0 - k / n),
+                pressure=pressure if state.has_pressure else pressure * _ease(1.0 - k / n),
             )  # fmt: skip
             self._drag(stand, brush)
             samples.append(self._sample(stand, brush))
@@ -776,7 +776,7 @@ class Hand:
             began_ns = event.time_ns if state.began_ns is None else state.began_ns
             since = (event.time_ns - began_ns) * 1e-9
             if since < settings.landing_s:
-                pressure *= _eased(since / settings.landing_s)
+                pressure *= _ease(since / settings.landing_s)
         return pressure
 
     def _trail(self, brush: BrushSpec) -> float:
@@ -784,7 +784,7 @@ class Hand:
 
     def _sample(self, stand: _Stand, brush: BrushSpec, lifted: bool = False) -> DeviceSample:
         normal = stand.normal
-        z = _limited_lean(
+        z = _limit_lean(
             stand.lean, normal
         )  # gliding and lifted it comes to where others were right
         if stand.twist is None:  # laid on the surface, the bend is along the trailing tip
@@ -812,7 +812,7 @@ class Hand:
         )
 
 
-def _eased(fraction: float) -> float:
+def _ease(fraction: float) -> float:
     """Fraction of its pressure that a mouse has while it comes down or goes up, 0 to 1.
 
     It changes fastest where the tuft is hardly down, and has no corner where it is: an end is round

@@ -14,7 +14,7 @@ from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.pose.brush_pose import object_poses
 
-__all__ = ["MirrorPlane", "RadialSymmetry", "Symmetry", "transformed"]
+__all__ = ["MirrorPlane", "RadialSymmetry", "Symmetry", "transform_samples"]
 
 MOST_IMAGES = 64
 _REST = np.array([1.0, 0.0, 0.0, 0.0])
@@ -124,7 +124,9 @@ def _direction(vector: Sequence[float]) -> AnyArray:
     return unit
 
 
-def transformed(samples: Sequence[DeviceSample], image: NDArray[np.float64]) -> list[DeviceSample]:
+def transform_samples(
+    samples: Sequence[DeviceSample], image: NDArray[np.float64]
+) -> list[DeviceSample]:
     """Transform samples of a hand to one of its images, in the frame of an object at rest.
 
     A mirrored brush is a brush again: its handle and bend are mirrored, and its third axis follows

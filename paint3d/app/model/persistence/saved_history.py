@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.app.model.laid_text import packed_texts, unpacked_texts
+from paint3d.app.model.laid_text import pack_texts, unpack_texts
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words
 from paint3d.app.model.persistence.saved_settings import saved_mixture
 from paint3d.app.model.stroke_log import Stroke, weights_of
@@ -64,7 +64,7 @@ def saved_history(
         What `undo_state` says, and: done and undone, a word for each step, the last of undone is
         the next; brushes, as `brush_words` has them; painters, what was remembered: place of its
         brush, hairs (their properties or None), ink, what it was dipped in, weights by name, and
-        amount, as `DipAmount.words`, where that is not the preset's; texts, as `packed_texts` has
+        amount, as `DipAmount.words`, where that is not the preset's; texts, as `pack_texts` has
         them.
         Of the K paintings painter, text (K,) int32, loaded (K,) float64, dipped (K,) uint8, and the
         columns hair_loads (B, P) and hair_memory float64, empty without hairs.
@@ -207,7 +207,7 @@ def _unpack_states(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Pa
         )
     loads = unpack_arrays(state, "hair_loads", count, np.float64, (p,))
     memories = unpack_arrays(state, "hair_memory", count, np.float64)
-    texts = [packed_texts(unpacked_texts(packed)) for packed in state["texts"]]
+    texts = [pack_texts(unpack_texts(packed)) for packed in state["texts"]]
     of_texts = np.asarray(state["text"])
     if of_texts.shape != of.shape or of_texts.dtype != np.int32:
         raise SessionError(

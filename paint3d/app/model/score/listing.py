@@ -17,7 +17,7 @@ from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 from paint3d.recording.score_steps import follow_steps
 
-__all__ = ["ListedStroke", "listed_strokes"]
+__all__ = ["ListedStroke", "list_strokes"]
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class ListedStroke:
     became: str
 
 
-def listed_strokes(score: Score) -> list[ListedStroke]:
+def list_strokes(score: Score) -> list[ListedStroke]:
     """The strokes of a score, in order.
 
     Raises

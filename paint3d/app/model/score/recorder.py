@@ -177,7 +177,9 @@ class ScoreRecorder:
             self._events.pop()
         self._events.append(line)
 
-    def refused(self, name: str, arguments: Mapping[str, Any], surface: PaintedSurface) -> None:
+    def record_refusal(
+        self, name: str, arguments: Mapping[str, Any], surface: PaintedSurface
+    ) -> None:
         """Write down what was refused: it may have changed something before it was."""
         vocabulary = Vocabulary(surface, self._inks)
         try:
@@ -228,7 +230,7 @@ def recorded(
                 done = method(document, *arguments, **options)
         except Paint3DError:
             if document.recorder is recorder:
-                recorder.refused(command.name, bound_arguments(), document.surface)
+                recorder.record_refusal(command.name, bound_arguments(), document.surface)
             raise
         if document.recorder is recorder:
             _record_done(document, command, bound_arguments(), done)
