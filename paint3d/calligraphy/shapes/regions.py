@@ -271,7 +271,8 @@ def _make_stub(part: Polygon, region: Polygon, line: LineString, half: float) ->
 
     middle = np.array(part.centroid.coords[0])
     root = np.array(line.interpolate(line.project(part.centroid)).coords[0])
-    direction = _direction(root - middle)
+    length = float(np.hypot(*(root - middle)))
+    direction = (root - middle) / length if length > 0.0 else np.array([1.0, 0.0])
     own = part.buffer(_STUB_OVERLAP * half).intersection(region)
     own = max(polygons_of(own), key=lambda one: one.area)
     along = (np.asarray(own.exterior.coords) - middle) @ direction
@@ -283,8 +284,3 @@ def _make_stub(part: Polygon, region: Polygon, line: LineString, half: float) ->
         return None
     ends = np.asarray(longest.coords)
     return GlyphStroke.filling(own, np.linspace(ends[0], ends[-1], 9))
-
-
-def _direction(way: AnyArray) -> AnyArray:
-    length = float(np.hypot(*way))
-    return way / length if length > 0.0 else np.array([1.0, 0.0])
