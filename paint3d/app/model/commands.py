@@ -1,4 +1,4 @@
-"""The registry of commands: whatever a user can ask for, and everything that is said of it.
+"""The registry of commands: each with its keys, its texts, and how undo treats it.
 
 One entry of `COMMANDS` says where a command stands in the menus, what its keys are, what it is
 called, and, if it changes the painting, how recordings and journals write it down. `Document` has a
@@ -77,7 +77,7 @@ TITLES = {
 
 @dataclass(frozen=True)
 class Command:
-    """Something that a user can ask for.
+    """A command of the studio.
 
     Attributes
     ----------

@@ -209,7 +209,7 @@ class CopybookMark:
 
 @dataclass(frozen=True, eq=False)
 class CopybookBlock:
-    """The room that a text takes, around its middle.
+    """The box around a text.
 
     Attributes
     ----------
@@ -338,7 +338,7 @@ class Copybook:
 
     @cached_property
     def block(self) -> CopybookBlock:
-        """The room that it takes."""
+        """The box around it."""
         return CopybookBlock.of(self._surface, self.squares)
 
     def grid(self, kind: str, columns: bool, *, unwritten: bool = False) -> list[AnyArray]:
@@ -359,11 +359,11 @@ class Copybook:
 
     @property
     def next(self) -> int | None:
-        """Place of the first character that is not written yet; None when all are."""
+        """Index of the first character that is not written yet; None when all are."""
         return next((k for k, ghost in enumerate(self.ghosts) if not ghost.is_written), None)
 
     def _find_character(self, path: AnyArray) -> int | None:
-        """The character in whose square most of a way (N, 3) lies; None where in none."""
+        """The character in whose square most of a path (N, 3) lies; None where in none."""
         if not self.ghosts:
             return None
         feet = self._surface.find(path[:: -(-len(path) // _LOOKED_AT)]).points
@@ -391,7 +391,7 @@ class Copybook:
             self._counted[id(stroke)] = _Counted(stroke, len(stroke.samples))
 
     def go_on_from(self, other: Copybook) -> None:
-        """Take over the counts of another copybook of the same characters in the same places."""
+        """Take over the counts of another copybook of the same characters at the same positions."""
         with other._keeping:
             self.marks = dict(other.marks)
             self._counted = {

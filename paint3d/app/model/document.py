@@ -186,7 +186,7 @@ class Document:
 
     @property
     def score(self) -> Score | None:
-        """All that happened; None where that is not known from the beginning.
+        """The score; None where it is not known from the beginning.
 
         `score.playing.score_of_strokes` then makes one of the strokes alone.
         """
@@ -415,24 +415,24 @@ class Document:
     # -- how it is looked at ----------------------------------------------------------------
 
     def set_reference(self, reference: Mapping[str, Any] | None = None) -> None:
-        """Keep with the painting which picture is beside the work, and how; None: none."""
+        """Store the reference picture and how it is shown with the painting; None: none."""
         if self._set_property("reference", reference):
             self.mark_modified()
 
     def set_views(self, views: Mapping[str, Mapping[str, Any]]) -> None:
-        """Keep with the painting from where it is looked at, by name."""
+        """Store named views of the painting with it."""
         if self._set_property("views", views):
             self.mark_modified()
 
     def set_light(self, kind: str, turn: float) -> None:
-        """Keep with the painting in which light it is seen, one of `LIVE_LIGHTS`, turned by rad.
+        """Store the light the painting is seen in, one of `LIVE_LIGHTS`, turned by rad.
 
         That is no reason to save it.
         """
         self._set_property("light", {"kind": kind, "turn": turn})
 
     def _set_property(self, name: str, value: Mapping[str, Any] | None) -> bool:
-        """Put a property among `properties`, or take it out; whether it was another."""
+        """Set or remove one of `properties`; return whether it changed."""
         self.check_access()
         before = self.properties.pop(name, None)
         if value is not None:
@@ -492,7 +492,7 @@ class Document:
 
     @recorded
     def set_pickup(self, pickup: float) -> None:
-        """Take up wet ink with the brush: this fraction per mm of way at full pressure.
+        """Take up wet ink with the brush: this fraction per mm of path at full pressure.
 
         Raises
         ------
@@ -543,7 +543,7 @@ class Document:
 
     @recorded
     def pick_colour(self, vertex_id: int) -> dict[str, float] | None:
-        """Dip the brush in what is on a vertex, as it is mixed there; what that is.
+        """Dip the brush in the mixture on a vertex; return it.
 
         Returns
         -------
@@ -719,7 +719,7 @@ class Document:
         return stroke
 
     def break_off(self) -> None:
-        """End the stroke that is going on now; what its hand still sends is passed over."""
+        """End the stroke that is going on now; ignore what its hand still sends."""
         if self.in_stroke:
             self.end_stroke()
             self._refused = True
@@ -792,7 +792,7 @@ class Document:
             )
 
     def prepare_next_stroke(self) -> None:
-        """Do ahead, while nobody paints, what the next stroke would wait for; paint nothing."""
+        """Prepare ahead what the next stroke would wait for; paint nothing."""
         if not self.in_stroke:
             self.surface.grow_ahead()
             if self.surface.n_outdated > _MANY_OUTDATED:  # wet ink looks at them at every step
@@ -864,7 +864,7 @@ class Document:
 
     @property
     def active_layer(self) -> int:
-        """Place of the layer that is painted on, from 0 for the lowest."""
+        """Index of the layer that is painted on, from 0 for the lowest."""
         return self.surface.use_layers().active
 
     @recorded
@@ -1632,7 +1632,7 @@ class Document:
             )
 
     def _serialize_edit(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:
-        """An edit as it can be done to a score."""
+        """An edit in the form that a score can apply."""
         if edit.get("do") == "ink" and "ink" in edit:
             inks = InkTable.of(score.header)
             return {**edit, "ink": inks.encode(edit["ink"]), "pigments": inks.table}

@@ -1,4 +1,4 @@
-"""What the painting thread hands to a view: what changed since the last time, and no more."""
+"""Frames from the painting thread to a view: what changed since the last one, and no more."""
 
 from __future__ import annotations
 

@@ -136,7 +136,7 @@ class LaidText:
         )  # fmt: skip
 
     def words(self) -> dict[str, Any]:
-        """Dictionary from which `of` makes the same text, for JSON; defaults are left out."""
+        """Dictionary from which `of` makes the same text, for JSON; without defaults."""
         usual = LaidText()
         values = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}
         return {

@@ -230,7 +230,7 @@ class Stencil:
         self._known = n, nodes
 
     def wipe(self, before: Callable[[AnyArray], tuple[AnyArray, AnyArray]]) -> AnyArray:
-        """Give masked vertices back what they had, and the brush what fell on them.
+        """Restore masked vertices, and return to the brush what fell on them.
 
         Parameters
         ----------
@@ -256,7 +256,7 @@ class Stencil:
         return give_back(self._surface, ids[moved], came[moved])
 
     def _find_touched(self) -> AnyArray:
-        """Masked vertices among those that were touched since colours were asked for last."""
+        """Masked vertices among those that were touched since colours were refreshed last."""
         ink = self._surface.ink
         dirty, known = ink.dirty_ids[: int(ink.n_dirty[0])], self._looked
         if not np.array_equal(dirty[: len(known)], known):

@@ -1,4 +1,4 @@
-"""How an object of one's own is taken in: which way is up, how large it is, and of what it is."""
+"""Import of an object of one's own: its up, its unit, its material."""
 
 from __future__ import annotations
 

@@ -218,7 +218,7 @@ class PaintThread:
 
     @property
     def brush(self) -> BrushSpec:
-        """The brush in hand: the one that was asked for last, be it still to come."""
+        """The brush in hand after all commands that are queued."""
         try:
             return self._brushes[-1]
         except IndexError:
@@ -339,12 +339,12 @@ class PaintThread:
 
     @property
     def is_behind(self) -> bool:
-        """True if something that was asked for waits or is being done; time for the ink is none."""
+        """True if a batch or command waits or is being done; ink time does not count."""
         return self._n_asked > self._n_done
 
     @property
     def is_still(self) -> bool:
-        """True if all that was asked for is done, shown, and the last frame taken."""
+        """True if the queue is empty, all is shown, and the last frame was taken."""
         with self._wake:
             return not (self._working or self._jobs or self._stale or self._slot is not None)
 
@@ -401,7 +401,7 @@ class PaintThread:
             self._wake.notify()
 
     def halt(self) -> None:
-        """Begin no other step until `go_on`; what is asked for meanwhile waits."""
+        """Begin no other step until `go_on`; the queue waits meanwhile."""
         with self._wake:
             self._halted = True
 
@@ -452,7 +452,7 @@ class PaintThread:
             raise RuntimeError("the painting thread was stopped")
 
     def _with_time(self, samples: Sequence[DeviceSample], all_time: bool) -> Iterator[_Job]:
-        """Jobs for samples that come now, and for the ink time between them; holds the lock."""
+        """Make jobs of samples that come now, and of the ink time between them; holds the lock."""
         now = time.perf_counter()
         behind = now - self._jobs[0].came if self._jobs else 0.0
         first = 0
@@ -528,7 +528,7 @@ class PaintThread:
 
     @property
     def _runs_by_the_clock(self) -> bool:
-        """True if time passes for the ink while nothing is heard."""
+        """True if ink time passes without samples."""
         return self._wet and not self._by_samples_alone
 
     def _work(self) -> None:
@@ -584,7 +584,7 @@ class PaintThread:
             self._pace.took(time.perf_counter() - before)
 
     def _paint_chunk(self, job: _Job) -> None:
-        """Paint a chunk of a batch; what is left of it comes next."""
+        """Paint a chunk of a batch; queue the rest of it."""
         chunk, rest = job.samples[:_CHUNK], job.samples[_CHUNK:]
         if rest:
             with self._wake:
@@ -714,7 +714,7 @@ _Item = _Job | Future[Any] | Mapping[str, object]  # for the journal writer
 
 
 class _JournalWriter:
-    """Writes what is asked for into the journal, in a thread, so that nobody waits for the disk.
+    """Writes samples and commands into the journal in a thread, so that nobody waits for the disk.
 
     Attributes
     ----------

@@ -31,7 +31,7 @@ HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 """Tags of the elements that are drawn."""
 _USING = (*HREFS, "x", "y", "width", "height")
-_REFERENCE = re.compile(r"""\s*url\(\s*['"]?#([^'")]+)['"]?\s*\)\s*""")
+_REFERENCE = re.compile(r"""\s*url\(\s*['"]?#([^'")]+)['"]?\s*\)\s*""")  # url(#id), the whole value
 _STYLED = re.compile(r"(?:^|;)\s*clip-path\s*:\s*([^;!]*)", re.IGNORECASE)
 _RULE = re.compile(r"(?:^|;)\s*clip-rule\s*:\s*([^;!\s]*)", re.IGNORECASE)
 _PLACING = ("transform", "x", "y", "width", "height", "viewBox", "preserveAspectRatio")

@@ -57,7 +57,7 @@ if TYPE_CHECKING:
 __all__ = ["load_svg", "svg_shape"]
 
 # ---- Numbers -------------------------------------------------------------------------------------
-# Whether the numbers of a drawing's shapes are numbers: what is none is named, not painted over.
+# The numbers of a drawing's shapes are checked: what is none is named, not painted over.
 #
 # Where a width is "nan" or a path breaks off, viewers leave the element out or draw half of it,
 # each as it likes (SVG 1.1, appendix F.2 only asks that the document be said to be in error).
@@ -71,18 +71,20 @@ _LENGTHS = (*_SIZE_NAMES, *_FRACTIONS, "x", "y", "rx", "ry", "cx", "cy", "x1", "
 _STYLED = ("stroke-width", *_FRACTIONS)
 _KEYWORDS = ("auto", "inherit", "initial", "unset", "revert", "none", "medium")
 _UNITS = r"(?:px|pt|pc|mm|cm|in|em|ex|rem|ch|q|vw|vh|vmin|vmax|%)?"
+# Possessive quantifiers (++, *+, ?+): on a stranger's megabytes a match must not backtrack.
 _NUMBER = re.compile(r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:e[+-]?\d++)?+", re.IGNORECASE)
 _LENGTH = re.compile(rf"({_NUMBER.pattern})\s*{_UNITS}", re.IGNORECASE)
 _ANGLE = rf"{_NUMBER.pattern}(?:px|pt|pc|mm|cm|in|deg|rad|grad|turn|%)?"
-_TRANSFORM = re.compile(
+_TRANSFORM = re.compile(  # one call; a sign or point may stand for the comma: rotate(1-2.5.5)
     rf"(?:matrix|translate|translatex|translatey|scale|scalex|scaley|rotate|skew|skewx|skewy)\s*"
     rf"\(\s*{_ANGLE}(?:[\s,]+{_ANGLE}|(?=[+.-]){_ANGLE})*\s*\)",
     re.IGNORECASE,
 )
+# Only a number with an exponent is checked for overflow: 1e999 is infinite as a float.
 _EXPONENT = re.compile(r"[+-]?(?:\d++\.?\d*+|\.\d++)e[+-]?\d++", re.IGNORECASE)
 _POINTS = re.compile(rf"(?:[\s,]++|{_NUMBER.pattern})*+", re.IGNORECASE)
 _PATH_DATA = re.compile(rf"(?:[\s,MZLHVCSQTA]++|{_NUMBER.pattern})*+", re.IGNORECASE)
-_SIGNED = re.compile("([MZLHVCSQTA])", re.IGNORECASE)
+_SIGNED = re.compile("([MZLHVCSQTA])", re.IGNORECASE)  # splits path data by its commands
 _COUNTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 _VIEWS = ("svg", "symbol")
 _ALIGNED = re.compile(
@@ -94,7 +96,7 @@ _ARCS = re.compile(  # whose flags may stand before other numbers without anythi
     re.IGNORECASE,
 )
 _IMPORTANT = re.compile(r"!\s*important\s*$", re.IGNORECASE)
-_CALLS = re.compile(r"\b(?:var|calc|env|min|max|clamp)\(", re.IGNORECASE)
+_CALLS = re.compile(r"\b(?:var|calc|env|min|max|clamp)\(", re.IGNORECASE)  # not evaluated here
 _DECLARED = re.compile(rf"(?:^|[;{{\s])({'|'.join(_STYLED)})\s*:\s*([^;}}]*)", re.IGNORECASE)
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _SHOWN = 24
@@ -103,7 +105,7 @@ _ALIGNMENT = Message("none, or xMidYMid and its like, and meet or slice")
 
 
 def _check_numbers(root: ElementTree.Element, name: str) -> None:
-    """Refuse a drawing of whose shapes a number is none.
+    """Refuse a drawing if a number of its shapes is malformed or not finite.
 
     Parameters
     ----------
@@ -135,7 +137,7 @@ def _check_numbers(root: ElementTree.Element, name: str) -> None:
 
 
 def _find_faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
-    """Attribute of an element that is no number, and what was expected."""
+    """Yield a message for each attribute that is no number, with what was expected."""
     for attribute, text in element.attrib.items():
         value = text.strip()
         if not value:
@@ -193,7 +195,7 @@ def _fault_within(attribute: str, part: str, wanted: Message) -> Message:
 
 
 def _faults_of_style(text: str) -> Iterator[Message]:
-    """Faults of the lengths and fractions among a style's declarations."""
+    """Yield the faults of the lengths and fractions among a style's declarations."""
     for declared in _DECLARED.finditer(_COMMENT.sub(" ", text)):
         attribute, value = declared[1].lower(), _IMPORTANT.sub("", declared[2]).strip()
         wanted = _fault_of_length(attribute, value) if value else None
@@ -202,7 +204,7 @@ def _faults_of_style(text: str) -> Iterator[Message]:
 
 
 def _fault_of_length(attribute: str, value: str) -> Message | None:
-    """Words for what was expected of a length or fraction that is none; None where it is one."""
+    """The value expected for a malformed length or fraction; None of a well formed one."""
     if value.lower() in _KEYWORDS or _CALLS.match(value):
         return None
     match = _LENGTH.fullmatch(value)
@@ -228,7 +230,7 @@ def _faults_of_list(
 
 
 def _faults_of_path(text: str) -> Iterator[Message]:
-    """Place at which a path of good words breaks off, or does not begin."""
+    """Yield a fault where a path of good words breaks off, or does not begin."""
     before, *parts = _SIGNED.split(text)
     if before.strip() or parts[0] not in "Mm":
         yield _fault_within("d", text, Message("M first"))
@@ -256,6 +258,7 @@ def _find_infinite(call: re.Match[str]) -> str:
 
 _MOST_DEPTH = 200
 _MOST_ELEMENTS = 100_000
+# A reference to another file or page: url(...) but for url(#id), or @import.
 _OUTSIDE = re.compile(r"""url\(\s*['"]?(?!['"]?\s*#)([^)'"]*)|@import\s+([^;]*)""", re.IGNORECASE)
 
 
@@ -444,8 +447,8 @@ _CAPS = {"round": "round", "square": "square"}
 _JOINS = {"round": "round", "bevel": "bevel"}
 _NOT_PAINTED = ("text", "image", "mask", "foreignObject")
 _UNEVEN = ("linearGradient", "radialGradient", "meshgradient", "pattern")
-_PAINTS = re.compile(r"""url\(\s*['"]?#([^'")]+)""")
-_PAINT = re.compile(rf"""{_PAINTS.pattern}['"]?\s*\)([^;]*)""")
+_PAINTS = re.compile(r"""url\(\s*['"]?#([^'")]+)""")  # the id of a gradient or pattern
+_PAINT = re.compile(rf"""{_PAINTS.pattern}['"]?\s*\)([^;]*)""")  # and the fallback after it
 _ROUNDING = 1e-9
 
 

@@ -1,4 +1,4 @@
-"""What both hands hold: which devices are there, how they do, and what their buttons ask for."""
+"""Devices of both hands: which are there, their state, and the commands of their buttons."""
 
 from __future__ import annotations
 

@@ -489,7 +489,7 @@ class Hand:
     # -- steps ------------------------------------------------------------------------------
 
     def _is_apart(self, point: AnyArray, event: PointerInput) -> bool:
-        """Return whether the way to a point leaves the surface, as from a rim to what is behind."""
+        """True if the path to a point leaves the surface, as from a rim to what is behind."""
         step = point - self._now.target
         distance = length_of(step)
         if distance < _LEAST_GAP_MM:
@@ -499,7 +499,7 @@ class Hand:
         return bool(off.max() > _MOST_OFF * distance) or self._crosses_edge(point, event)
 
     def _crosses_edge(self, point: AnyArray, event: PointerInput) -> bool:
-        """Return whether an edge is seen between the last point and this: no ray meets the way.
+        """Return whether an edge is seen between the last point and this: no ray meets the path.
 
         Of two rays the one in the middle halves the way between what they meet, or, where the
         surface is seen from the side, all but. Over an edge the greater part stays as it is.
@@ -640,7 +640,7 @@ class Hand:
         return self._land(brush) if far or stands or given else []
 
     def _land(self, brush: BrushSpec) -> list[DeviceSample]:
-        """Samples of all that waited; the tip trails behind the way, or points as it rests."""
+        """Samples of all that waited; the tip trails behind the path, or points as it rests."""
         stands, self._waiting = self._waiting, []
         if not stands:
             return []
@@ -745,7 +745,7 @@ class Hand:
         return across / max(length_of(across), 1e-12)
 
     def _glide(self, brush: BrushSpec) -> list[DeviceSample]:
-        """Samples on the way to where the pointer was last."""
+        """Samples on the path to where the pointer was last."""
         state = self._now
         start, path = state.point, state.goal - state.point
         length = length_of(path)
@@ -828,7 +828,7 @@ def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
 
 
 def _project_along(normal: AnyArray, vector: AnyArray) -> AnyArray:
-    """A way's direction along a surface; zero where it leads straight up or down."""
+    """The direction of a step along a surface; zero where it leads straight up or down."""
     across = vector - (vector @ normal) * normal
     length = length_of(across)
     return across / length if length > 1e-9 else np.zeros(3)

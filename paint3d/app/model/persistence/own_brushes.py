@@ -46,7 +46,7 @@ def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[
 
 
 def own_brush_path(name: str, folder: Path | None = None) -> Path:
-    """The file that a brush of this name is stored in, whatever that is called; or a new one's."""
+    """The file of the brush of this name, whatever that is called; or a new one's."""
     folder = own_brush_folder() if folder is None else folder
     path = _choose_file(name, folder)
     if _name_in(path) == name:
@@ -81,7 +81,7 @@ def _name_in(path: Path) -> str | None:
 
 
 def keep_brush(brush: BrushSpec, folder: Path | None = None) -> Path:
-    """Write a brush into the folder, over the one of the same name; where it lies now.
+    """Write a brush into the folder, over the one of the same name; return its path.
 
     One of the same name in a .json stays, and is listed no more.
 

@@ -1,4 +1,4 @@
-"""What a crash would lose, stored while painting: a base to start from, and a journal of all since.
+"""Crash recovery: a base to start from, and a journal of all since, written while painting.
 
 A recovery folder belongs to one painting. ``base-K.p3d`` is the painting at a moment,
 ``journal-K.p3dj`` all samples and commands since, in order; doing them again on the base gives the
@@ -170,7 +170,7 @@ class RecoveryFolder:
                     old[1].unlink()
 
     def _lay_out_page(self) -> None:
-        """Make the next journal ready: turning the page waits for no disk, nor who paints on."""
+        """Create the next journal ahead, so that turning the page waits for no disk."""
         if self._next is None:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
             make_private(self._next.path)
@@ -214,7 +214,7 @@ class RecoveryFolder:
 
 @dataclass(frozen=True, eq=False)
 class Recovered:
-    """A painting that came back.
+    """A painting that was recovered.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The way back of a document as a session keeps it: its steps, and what the painter remembered.
+"""Undo history of a document in a session: its steps, and what the painter remembered.
 
 A step of the history is a stroke or a word. What a painter remembers between strokes is its brush,
 its ink, and what single hairs hold; the steps say how the surface was (`surface.undo_state`).

@@ -41,7 +41,7 @@ def begun(
     material: Material | None = None,
     painted_on: TriangleMesh | None = None,
 ) -> Document:
-    """A painting that begins as the score's did.
+    """Start a painting as the score's was.
 
     Parameters
     ----------

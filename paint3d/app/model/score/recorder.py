@@ -1,4 +1,4 @@
-"""Recorder of a document's score: all that is asked of it, as it is asked."""
+"""Recorder of a document's score: its commands and samples, in order."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ _Event = dict[str, Any] | _SampleRun
 
 
 class ScoreRecorder:
-    """Writes down what a document is asked for.
+    """Records the commands and samples that a document receives.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A score step by step: what a document is asked for, in order and in time."""
+"""A score step by step: its commands and samples, in order and in time."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _AT_ONCE = 256  # samples between two looks at whether it goes on
 
 @dataclass(frozen=True, eq=False)
 class PlaybackStep:
-    """Something to be done: samples of the stroke that goes on, or a command.
+    """A step to play: samples of the stroke that goes on, or a command.
 
     Attributes
     ----------
@@ -156,7 +156,7 @@ _OF_INK = frozenset({"follow_time", "let_time_pass"})
 
 @dataclass(frozen=True, eq=False)
 class Cue:
-    """Something to be done at a time: samples of the stroke that goes on, or a command.
+    """Samples of the stroke that goes on, or a command, and their time.
 
     Attributes
     ----------
@@ -235,6 +235,6 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
 
 
 def _pass_command(clock: HandTime, name: str, options: Mapping[str, Any], times: int) -> None:
-    """Count what was asked for; it takes time only where ink is left to spread."""
+    """Count a command; it takes time only where ink is left to spread."""
     if name in _OF_INK:
         clock.pass_ink(float(options["seconds"]) * times)
