@@ -166,7 +166,7 @@ def place_on(sheet: Sheet, point: Sequence[float]) -> tuple[float, float]:
 
 
 def stands_in_squares(text: str) -> bool:
-    """Return whether all letters of a text, marks apart, are those that are written in squares.
+    """Return whether all letters of a text, punctuation apart, are written in squares.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def _on_panels(asked: _Asked, verses: list[str]) -> Composition:
 
 
 def _ways_to_break(verses: Sequence[str]) -> Iterator[tuple[list[str], float]]:
-    """The verses in columns, so many in each, or parted; and how well that is liked."""
+    """Yield the verses broken into columns, with the preference for each way."""
     for n in range(1, len(verses) + 1):
         yield ["".join(verses[k : k + n]) for k in range(0, len(verses), n)], 1.0
     whole = "".join(verses)
@@ -259,7 +259,7 @@ def _ways_to_break(verses: Sequence[str]) -> Iterator[tuple[list[str], float]]:
 
 
 def _fit_lines(asked: _Asked, lines: list[str]) -> tuple[float, Composition]:
-    """The composition of lines, and how good it is."""
+    """Fit lines to a sheet; their score and composition."""
     n, longest = len(lines), max(map(len, lines))
     shape = asked.sheet.usual.shape
     fit = {"sector": _on_fan, "disc": _on_disc}.get(shape, _on_rectangle)
@@ -466,7 +466,7 @@ def lines_of(squares: Sequence[EmSquare], order: str = "columns") -> list[list[E
 
 
 class _Paper:
-    """A sheet's paper, of which one asks how far it goes."""
+    """A sheet's paper, for measuring how far it extends."""
 
     def __init__(self, mesh: TriangleMesh) -> None:
         areas = () if sheet_of(mesh) is None else writing_areas(mesh, False)
@@ -510,7 +510,7 @@ class _Paper:
 def sign_beside(
     mesh: TriangleMesh, squares: Sequence[EmSquare], n: int, order: str = "columns"
 ) -> Signing:
-    """Find where a signature stands beside a text.
+    """Place a signature beside a text.
 
     Parameters
     ----------
@@ -584,7 +584,7 @@ def sign_beside(
 
 
 def seal_below(signature: Sequence[EmSquare]) -> Signing:
-    """A signature as it lies, and where its seal stands below it."""
+    """Place a signature's seal below it."""
     last = signature[-1]
     frame, size = last.chart.frame, last.em_mm
     seal = max(_SEAL * size, _LEAST_SEAL_MM)

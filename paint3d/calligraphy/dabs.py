@@ -109,7 +109,7 @@ def loads_of(
 def _ink_mask(
     shapes: Sequence[Shape], grid: NDArray[np.float64], size: tuple[int, int]
 ) -> NDArray[np.bool_]:
-    """Mask (H, W) of all shapes, at the grid's points."""
+    """Mask (H, W) of all shapes, sampled at the grid's points."""
 
     def filled(ring: AnyArray) -> NDArray[np.bool_]:
         mask = np.zeros(size, np.bool_)
@@ -136,7 +136,7 @@ def _covered_mask(
 def _patches(
     wanted: NDArray[np.bool_], painted: NDArray[np.bool_], grid: NDArray[np.float64]
 ) -> Iterator[tuple[NDArray[np.bool_], OutlineField]]:
-    """Patches (H, W) that are bare, and where a dab may go for each."""
+    """Yield the bare patches (H, W), each with the distance field of the area open to a dab."""
     bare = wanted & ~painted
     core = distance_transform_edt(bare) >= _THICK
     thick = bare & (distance_transform_edt(~core) < _THICK)
@@ -184,7 +184,7 @@ def _line_of(field: OutlineField, step: float) -> CentreLine:
 
 
 def _order_by_nearness(paths: list[StrokePath], at: AnyArray) -> list[StrokePath]:
-    """Paths in the order in which each begins nearest to where the one before ends."""
+    """Order paths greedily: each begins nearest to where the one before ends."""
     left, order = list(paths), []
     while left:
         apart = [float(np.linalg.norm(path.centre[0] - at)) for path in left]

@@ -129,7 +129,7 @@ def remove_dips(
 
 
 def _strokes_within(recording: Recording, start: int, end: int) -> list[tuple[int, int, int]]:
-    """Strokes of a character: from where on the pen is up before, where it is down, and up again.
+    """Pen-up start, pen-down start and pen-up end of each stroke of a character.
 
     Those that the pen is not lifted before are part of the one before them.
     """
@@ -195,7 +195,7 @@ def _touches(recording: Recording) -> NDArray[np.bool_]:
 
 
 def _find_column_heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
-    """(K,) bool: characters that lie much farther from the one before than usual."""
+    """(K,) bool: characters much farther from the one before than usual."""
     root = _root_in_object(recording)
     touches = _touches(recording)
     weights = np.add.reduceat(touches.astype(float), starts)
@@ -210,7 +210,7 @@ def _find_column_heads(recording: Recording, starts: AnyArray) -> NDArray[np.boo
 
 
 def _find_needed_dips(taken: AnyArray, heads: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(K,) bool: characters that the brush is dipped for, by what each takes of a wetted tuft."""
+    """(K,) bool: characters that need a dip, by the ink that each takes from a wetted tuft."""
     dips = np.zeros(len(taken), bool)
     used = math.inf
     for k in range(len(taken)):

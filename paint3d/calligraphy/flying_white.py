@@ -70,7 +70,7 @@ _LINE_POINTS = 400  # of a line, of which each point has its nearest
 def stations_of_motion(
     motion: Motion, glyph: Glyph, em_mm: float, footprints: FootprintTable
 ) -> NDArray[np.float64]:
-    """Between which stations of its strokes' dryness the brush is at every sample (N,).
+    """Stations of their strokes' dryness, of every sample (N,).
 
     Stations are counted from 0 through all strokes; NaN off strokes that do not say how dry they
     are.
@@ -124,7 +124,7 @@ def _station_along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
 def with_ink(
     recording: Recording, dryness: AnyArray | None, strength: AnyArray | None, material: Material
 ) -> Recording:
-    """A recording whose brush is as dry, and its ink as strong, as was asked for on a material.
+    """A recording with the dryness and strength of ink that strokes ask for, on a material.
 
     See `with_dryness` and `with_strengths`.
     """
@@ -132,7 +132,7 @@ def with_ink(
 
 
 def with_dryness(recording: Recording, dryness: AnyArray | None, material: Material) -> Recording:
-    """A recording whose brush is as dry as was asked for, on a material.
+    """A recording with the dryness that strokes ask for, on a material.
 
     Parameters
     ----------
@@ -243,7 +243,7 @@ def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> 
 
 
 def _load_changes(recording: Recording, loads: AnyArray, step: float) -> list[list[float]]:
-    """Times (ns) and loads where they have changed by a fraction, and where each stroke begins."""
+    """Times (ns) and loads wherever the load changes noticeably, and at each stroke's start."""
     changes: list[list[float]] = []
     known = np.flatnonzero(np.isfinite(loads))
     for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):

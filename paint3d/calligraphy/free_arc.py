@@ -1,4 +1,4 @@
-"""The part of a level line round a body along which nothing is in the way of a brush.
+"""Free arc: the part of a level line round a body where nothing obstructs the brush.
 
 Round a vase that is all of it. A handle or a spout leaves an arc beside it: there the brush has no
 room, or the surface turns away.
@@ -107,7 +107,7 @@ class Ring:
             )
 
     def at(self, distance: float) -> NDArray[np.float64]:
-        """The point (3,) so many mm to the right of where it begins; a closed one repeats.
+        """The point (3,) at a distance (mm) to the right of its start; a closed ring repeats.
 
         Of one that is not closed the end, where it does not reach so far.
         """
@@ -119,7 +119,7 @@ class Ring:
 
     @cached_property
     def stations(self) -> NDArray[np.float64]:
-        """Places (N,) along it, mm, evenly from where it begins or from its left end."""
+        """Distances (N,) along it, mm, evenly from its start or its left end."""
         n = int(min(max(_PER_EM * self.length / self.em_mm, _FEWEST), _MOST))
         return self._start + self.length * np.arange(n) / (n if self.closed else n - 1)
 
@@ -153,7 +153,7 @@ class Ring:
         placed: bool = False,
         centred: bool = False,
     ) -> FreeArc | None:
-        """The free arc on which something may stand; None where nothing is in the way.
+        """The free arc for a layout; None where nothing obstructs it.
 
         Parameters
         ----------
@@ -189,7 +189,7 @@ class Ring:
         return nearest.centred_on(0.0) if centred else nearest
 
     def crowded(self, room_mm: float, height: float = 0.0) -> NDArray[np.bool_]:
-        """At which stations (N,) something else is near a brush that stands there.
+        """Stations (N,) at which the object obstructs a brush.
 
         So many mm above the line, and half an em above and below that.
         """
@@ -261,7 +261,7 @@ class Ring:
 
 
 def in_the_way_error(fault: Fault, obstacle: tuple[float, float]) -> Fault:
-    """A fault with what it is that is in the way."""
+    """Add the obstacle to a fault."""
     fields = {k: v for k, v in fault.message.fields.items() if k == "smaller"}
     u, v = obstacle
     return type(fault)(

@@ -140,7 +140,7 @@ def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:
 
 
 def has_letters(text: str) -> bool:
-    """Return whether a text has letters that stand in no squares, as those of alphabets."""
+    """Return whether a text has letters that are not written in squares, as in alphabets."""
     return any(unicodedata.category(one)[0] == "L" and not is_square_letter(one) for one in text)
 
 

@@ -81,7 +81,7 @@ def pull(lead: Lead) -> DraggedPath:
 
 
 def refine_pull(lead: Lead, path: DraggedPath, trial: int) -> Iterator[DraggedPath]:
-    """Paths that go on from one; the handle makes up for what the paper holds the tip aside.
+    """Refine a path iteratively: the handle compensates for the tip's offset on the paper.
 
     None of them is the better for sure: see which covers most. There are three trials, from 0.
     """
@@ -97,7 +97,7 @@ def refine_pull(lead: Lead, path: DraggedPath, trial: int) -> Iterator[DraggedPa
 
 
 def _lead_handle(lead: Lead, level: AnyArray, aside: AnyArray) -> NDArray[np.float64]:
-    """Places of the handle (N, 2), mm, so that footprints that are free follow the line."""
+    """Positions of the handle (N, 2), mm, at which free footprints follow the line."""
     reach, slack = lead.footprints.centroid_at(level), lead.footprints.slack_at(level)
     ahead = np.minimum(reach, (1.0 - _SHORTEST) * slack)
     bend = _follow(lead.wanted, slack - ahead, lead.start)

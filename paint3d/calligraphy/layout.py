@@ -67,12 +67,12 @@ _STEPS_PER_EM, _LEAST_STEP_MM = 8.0, 0.1
 
 
 def walking_step(em_mm: float) -> float:
-    """Length (mm) of a step of the lines that a text of an em runs along."""
+    """Step length (mm) of the lines that a text of an em runs along."""
     return max(em_mm / _STEPS_PER_EM, _LEAST_STEP_MM)
 
 
 def upright_frame(surface: ClosestPoints, point: AnyArray, up: Upright) -> SurfaceFrame:
-    """The frame at a point (3,) of a surface with an upwards.
+    """The frame at a point (3,) of a surface with a defined upwards.
 
     Raises
     ------
@@ -207,7 +207,7 @@ class Layout:
 
     @property
     def is_placed(self) -> bool:
-        """Return whether it is said where its middle goes."""
+        """True if the position of its middle is given."""
         return self.at is not None or self.point is not None
 
 
@@ -467,7 +467,7 @@ def _search_places(
 def with_suggestion(
     fault: InputError, em_mm: float, layout: Layout, fits: Callable[[float, Layout], bool]
 ) -> InputError:
-    """A fault with a smaller size, and a position beside the one asked for, at which a text fits.
+    """A fault with a smaller size, or a position beside the one asked for, at which a text fits.
 
     Without them where a hand moves the text about, who sees where it fits.
 
@@ -614,7 +614,7 @@ class TextPlace:
         return self._climbs[sign]
 
     def find_free_arc(self, ring: Ring, low: float, high: float) -> FreeArc | None:
-        """The arc of a ring where squares from so low to so high (mm above it) may stand.
+        """The arc of a ring that is free for squares from `low` to `high` (mm above it).
 
         None where they may all round it.
 
@@ -638,7 +638,7 @@ class TextPlace:
         return self._free[key]
 
     def is_free(self, point: AnyArray, heights: Sequence[float]) -> bool:
-        """Return whether squares can be laid so many mm above a point (3,), for the usual brush."""
+        """True if squares can be laid at a height (mm) above a point (3,), for the usual brush."""
         try:
             frame = self.frame(point)
             for height in heights:
@@ -679,7 +679,7 @@ class _Grid(TextPlace):
         return self._reach(self._start, -1.0), self._reach(self._start, 1.0)
 
     def find_arc(self, block: float) -> FreeArc | None:
-        """The free arc for the columns of a block so many mm high; None: all round a body."""
+        """The free arc for the columns of a block of a height (mm); None: all round a body."""
         if self.ring is None:
             return None
         top = self._top(block)
@@ -754,7 +754,7 @@ class _Grid(TextPlace):
         return lay_square(self.surface, self.frame(point), self.em_mm, self.limits)
 
     def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
-        """Return whether so many squares fit, across and down, by the middle lines alone."""
+        """Return whether a grid of n across and m down fits, by the middle lines alone."""
         if shape[1] > 1:
             low, high = self.span
             if (shape[1] - 1) * pitch[1] > high - low + 0.02 * pitch[1]:
@@ -859,7 +859,7 @@ class _Grid(TextPlace):
         return None
 
     def _cells(self, lines: Sequence[str]) -> list[_Cell]:
-        """Place of each character in the grid."""
+        """Grid cell of each character."""
         columns, longest = self.layout.order == "columns", max(map(len, lines))
         wide = len(lines) if columns else longest
         cells = []

@@ -171,7 +171,7 @@ def _pixel_means(fine: AnyArray) -> NDArray[np.float32]:
 
 
 def _cut_out(a: AnyArray, b: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Two masks without what is empty around both, but for a pixel: no distance is another."""
+    """Crop two masks to their common bounding box and a pixel around it; distances stay."""
     rows, columns = (np.flatnonzero((a | b).any(axis=axis)) for axis in (1, 0))
     box = tuple(slice(max(0, at[0] - 1), at[-1] + 2) for at in (rows, columns))
     return a[box], b[box]

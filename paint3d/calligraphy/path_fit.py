@@ -142,7 +142,7 @@ class StrokePath:
 
 @dataclass(frozen=True, eq=False)
 class FittedLine:
-    """A line and what comes of following it.
+    """A line, and the path and bare area that follow from it.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class FittedLine:
 
 @dataclass(frozen=True, eq=False)
 class PathFitter:
-    """Constants while one stroke's path is improved; see `plan_stroke`."""
+    """State shared while one stroke's path is improved; see `plan_stroke`."""
 
     field: OutlineField
     footprints: FootprintTable
@@ -310,7 +310,7 @@ def _choose_path(line: CentreLine, gap: AnyArray, fitter: PathFitter) -> NDArray
 
 
 def _smoothing_samples(line: CentreLine) -> float:
-    """Over how many samples a chosen path is smoothed."""
+    """The number of samples over which a chosen path is smoothed."""
     return _CALM_WIDTHS * line.width / line.step
 
 

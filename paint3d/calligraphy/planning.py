@@ -320,7 +320,7 @@ def _lead_into_corners(best: FittedLine, fitter: PathFitter) -> FittedLine:
 
 
 def _best_detour(best: FittedLine, lines: Iterable[CentreLine], fitter: PathFitter) -> FittedLine:
-    """The best of some detours, or none where none is worth it."""
+    """The best of some detours; None where none is worth it."""
     least = float(best.bare.sum()) * (1.0 - fitter.settings.worth)
     chosen = best
     for line in lines:

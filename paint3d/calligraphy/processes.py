@@ -1,4 +1,4 @@
-"""Work for processes of their own, side by side, whose results come in order.
+"""Parallel work in processes of its own, with results in order.
 
 A process that is started here ends with the one that started it, however that ends: being killed
 leaves nothing behind. An interrupt is the starter's affair; it ends the others at once.
@@ -76,7 +76,7 @@ def in_processes(
 def _start(
     workers: list[_Worker], work: Callable[..., Any], n: int, *, is_patient: bool = False
 ) -> None:
-    """Add so many: those that are there already are known where the next one fails."""
+    """Start n more workers; those already started stay known if the next one fails."""
     context = multiprocessing.get_context("spawn")
     with holding_interrupts(), blocking_interrupts():
         for _ in range(n):
@@ -111,7 +111,7 @@ def _receive_answer(worker: _Worker) -> _Answer:
 def serve(
     work: Callable[..., Any], connection: Connection[Any, Any], is_patient: bool = False
 ) -> None:
-    """Do what comes until the other end is closed."""
+    """Work on items until the other end is closed."""
     if is_patient and hasattr(os, "nice"):
         os.nice(_PATIENCE)
     ignore_interrupts()

@@ -60,7 +60,7 @@ _LEAST_GROWTH, _MOST_GROWTH = -0.25, 0.5  # of the width of a font's strokes, on
 
 @dataclass(frozen=True, eq=False)
 class FittedFont:
-    """A font whose characters are made as large and as bold as those of a source.
+    """A font scaled and emboldened to match a source's characters.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class FittedFont:
 
     @classmethod
     def beside(cls, source: GlyphSource, font: FontFile) -> FittedFont:
-        """Fit a font to a source by common characters that both have; without any as it is."""
+        """Fit a font to a source by characters that both have; unscaled if there are none."""
         pairs = [
             (_measure_ink(_ink_of(source.load(one))), _measure_ink(_ink(font, one)))
             for one in _REFERENCE
@@ -168,7 +168,7 @@ class FallbackGlyphs:
 
 
 def with_fallback(source: GlyphSource, text: str, *, marks: bool = False) -> GlyphSource:
-    """A source that has all characters of a text: the same one, or one with fonts of the system.
+    """Add fonts of the system to a source for the characters that it lacks.
 
     A font stands in for missing letters that stand in squares, such as Chinese characters, and with
     `marks` for all else, as it stands in rows: one font for all, or where none has all of them, for
@@ -286,7 +286,7 @@ def _fonts_for(characters: Sequence[str]) -> dict[str, SystemFont]:
 
 
 def _best_font(text: str) -> SystemFont | None:
-    """The font that comes first of those that have ink for all characters of a text.
+    """The preferred font among those that have ink for all characters of a text.
 
     Of a text of words that is one without Chinese characters, where there is one, and of a hand
     rather than of print.
@@ -332,9 +332,9 @@ def _ink_of(glyph: Glyph) -> Geometry:
 
 
 def _measure_ink(ink: Geometry) -> tuple[float, float, float, float, float]:
-    """Middle (x, y) of ink, size from line to line, mean width of strokes, length of its edge.
+    """Middle (x, y) of ink, size between centre lines, mean stroke width, and perimeter.
 
-    The edge is counted in sizes.
+    The perimeter is in sizes.
     """
     left, lower, right, upper = ink.bounds
     width = 2.0 * ink.area / ink.length

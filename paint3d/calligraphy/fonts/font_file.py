@@ -1,4 +1,4 @@
-"""Font files: what they are called, whose they are, and the outlines of their glyphs."""
+"""Font files: their names, licences, and the outlines of their glyphs."""
 
 from __future__ import annotations
 
@@ -439,7 +439,7 @@ def _check_is_drawn(path: Path, face: Any) -> None:
 
 
 def _has_any(face: Any, tags: tuple[str, ...]) -> bool:
-    """Return whether a font has one of these tables; a damaged one may have some without a name."""
+    """Return whether a font has one of these tables; a damaged font may have unnamed ones."""
     return any(face.reference_table(tag).data for tag in tags)
 
 

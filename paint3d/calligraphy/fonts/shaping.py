@@ -65,7 +65,7 @@ def levels_of(text: str, base: int) -> list[int]:
 
 
 def _resolve_weak(kinds: Sequence[str], side: str) -> list[str]:
-    """Numbers, their separators and marks as letters or neutral ones (rules W1 to W7)."""
+    """Resolve numbers, their separators and marks (rules W1 to W7)."""
     resolved = list(kinds)
     for k, kind in enumerate(resolved):
         if kind == "NSM":
@@ -101,7 +101,7 @@ def _resolve_weak(kinds: Sequence[str], side: str) -> list[str]:
 
 
 def _resolve_neutral(kinds: Sequence[str], side: str) -> list[str]:
-    """Neutral ones as what stands on both of their sides, or as the line (rules N1 and N2)."""
+    """Resolve neutral characters by both neighbours, or by the line (rules N1 and N2)."""
     resolved = list(kinds)
     k = 0
     while k < len(resolved):

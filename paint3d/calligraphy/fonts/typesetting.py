@@ -53,7 +53,7 @@ WHOLE = frozenset({"Hani", "Hira", "Kana", "Hang", "Bopo", "Yiii", "Tang", "Nshu
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Ink that is written in one go.
+    """Connected ink, written in one go.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ def text_of(some: Sequence[ShapedGlyph], starts: Sequence[int], line: str) -> st
 
 
 def _bases(glyphs: Sequence[ShapedGlyph], areas: Sequence[float]) -> list[int]:
-    """For every glyph the largest one of those that stand for the same characters."""
+    """The largest glyph among those of the same characters, for every glyph."""
     largest: dict[int, int] = {}
     for k, one in enumerate(glyphs):
         if areas[k] > areas[largest.setdefault(one.cluster, k)]:
@@ -287,7 +287,7 @@ _ROUNDING = 3  # decimals of glyph units by which bodies are known again
 
 
 def is_written_down(text: str) -> bool:
-    """Return whether a text is one that is written in columns: by its first letter."""
+    """Return whether a text is written in columns, by its first letter."""
     for character in text:
         if unicodedata.category(character).startswith("L"):
             return unicodedata.name(character, "").startswith(_COLUMN_SCRIPTS)
@@ -295,7 +295,7 @@ def is_written_down(text: str) -> bool:
 
 
 def has_words(text: str) -> bool:
-    """Return whether letters of a text are set together as words, as those of alphabets are."""
+    """Return whether letters of a text are set together as words, as in alphabets."""
     letters = [unicodedata.category(one)[0] in "LM" and not is_square_letter(one) for one in text]
     return any(map(all, pairwise(letters)))
 
@@ -311,7 +311,7 @@ def _words_of(line: str) -> list[int]:
 
 @dataclass(frozen=True, eq=False)
 class FontText:
-    """A text that is set in a font, in the room there is.
+    """A text set in a font, in lines of an available length.
 
     Parameters
     ----------
@@ -516,7 +516,7 @@ def _placement(body: Body) -> list[tuple[int, float, float]]:
 def set_text(
     text: str, font: FontFile, style: Style, templates: GlyphSource | None, order: str | None
 ) -> FontText:
-    """A text set as it is asked for: in rows or columns, or as its script is written.
+    """Set a text in rows or columns as asked, or as its script is written.
 
     Parameters
     ----------

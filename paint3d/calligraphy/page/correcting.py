@@ -1,4 +1,4 @@
-"""Correcting the strokes of a page: turned round, put in another order, joined, split, left out.
+"""Correction of a page's strokes: reversing, reordering, joining, splitting, leaving out.
 
 A page under correction never changes; each correction makes another one. Strokes lie where they do
 on the page, and those of one piece follow each other. Ink is neither made nor lost: parts of a
@@ -80,11 +80,11 @@ class CorrectedPage:
 
     @property
     def is_changed(self) -> bool:
-        """Return whether anything is not as it was."""
+        """True if any correction was made."""
         return self.strokes != self._first
 
     def number(self, k: int) -> tuple[int, int]:
-        """A stroke's position in its piece, counted from 1, and how many that has."""
+        """A stroke's position in its piece, counted from 1, and the number of strokes there."""
         mine = self._strokes_of_piece(self.strokes[k].piece)
         return mine.index(k) + 1, len(mine)
 
@@ -241,7 +241,7 @@ def _reverse_order(stroke: GlyphStroke) -> GlyphStroke:
 
 
 def _bound_strokes(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
-    """A box; a larger one where strokes that came from another piece stand far out of it."""
+    """A piece's box, enlarged to all its strokes where some stand far out of it."""
     if not strokes:
         return box
     points = np.concatenate([stroke.outline for stroke in strokes])
@@ -319,7 +319,7 @@ def _polygons(shape: Any) -> list[Polygon]:
 
 
 def _merge_small_parts(one: list[Polygon], other: list[Polygon]) -> tuple[Polygon, Polygon]:
-    """The largest part of each; smaller ones go to that which they touch most."""
+    """Keep the largest part of each; merge smaller ones into the one they touch most."""
     if not one or not other:
         raise InputError("the cut parts nothing; expected a place within the stroke's ink")
     wholes, loose = [one[0], other[0]], [*one[1:], *other[1:]]

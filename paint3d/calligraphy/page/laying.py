@@ -137,7 +137,7 @@ def _lay_on_area(
 
 
 def _frames_to_try(area: WritingArea, layout: Layout, em_mm: float) -> Iterator[SurfaceFrame]:
-    """Places where the page's middle may lie: the one asked for, or one after another."""
+    """Frames for the page's middle: the one asked for, or candidates one after another."""
     if layout.is_placed or layout.around:
         yield start_around(area, layout, em_mm)
         return
@@ -173,7 +173,7 @@ class _Sheet(TextPlace):
         self._rings: dict[float, Ring] = {}
 
     def pages(self, composer: Composer) -> Iterator[Page]:
-        """The text in one line, then broken to more and more, but for what is far too large.
+        """Yield the text in one line, then broken to more and more, except if far too large.
 
         Of that not even the glyphs are placed, which takes seconds for thousands.
         """
@@ -193,7 +193,7 @@ class _Sheet(TextPlace):
                 yield page
 
     def _length_across(self, composer: Composer) -> float:
-        """Room across the lines, mm."""
+        """Length available across the lines, mm."""
         if not composer.runs_down:
             return sum(self.climb(sign).length for sign in (1.0, -1.0))
         right = self._level_line(0.0, 1.0)
@@ -380,7 +380,7 @@ class _Sheet(TextPlace):
         return replace(page, pieces=tuple(pieces))
 
     def _ring_length(self, height: float, least: float) -> float:
-        """Length of the level line so many mm above the middle, glyph units.
+        """Length of the level line at a height (mm) above the middle, glyph units.
 
         Raises
         ------
@@ -409,7 +409,7 @@ class _Sheet(TextPlace):
         return PlacedPiece(piece.glyph, square)
 
     def _point_at(self, x: float, height: float, width: float) -> AnyArray:
-        """The point (3,) so many mm right of the point and above it, of a page of a width."""
+        """The point (3,) at an offset (mm) right of and above the middle, of a page of a width."""
         if self.layout.around:
             return self._ring_at(height).at(x)
         level = self._level_line(height, 1.0)
@@ -421,7 +421,7 @@ class _Sheet(TextPlace):
         return level.at(x)
 
     def _level_line(self, height: float, sign: float) -> SurfaceLine:
-        """The level line to the right, or with -1 to the left, so many mm above the middle."""
+        """The level line to the right, or with -1 to the left, at a height (mm)."""
         if (height, sign) not in self._levels:
             climb = self.climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
@@ -432,7 +432,7 @@ class _Sheet(TextPlace):
 
 
 def _outermost_first(page: Page) -> list[int]:
-    """Numbers of a page's pieces, those along its edges first: a surface ends there first."""
+    """Indices of a page's pieces from its edges inwards: a surface ends there first."""
     left, lower, right, upper = page.bounds
 
     def room(k: int) -> float:

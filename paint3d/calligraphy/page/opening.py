@@ -1,4 +1,4 @@
-"""Pages as a window asks for them: a text in a font, a drawing, or strokes in a file."""
+"""Opening pages for a window: a text in a font, a drawing, or a file of strokes."""
 
 from __future__ import annotations
 

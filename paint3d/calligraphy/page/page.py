@@ -204,7 +204,7 @@ class Page:
 
 
 class Composer(Protocol):
-    """Something that is set as a page in the room that there is."""
+    """Something that is set as a page in lines of an available length."""
 
     @property
     def runs_down(self) -> bool:

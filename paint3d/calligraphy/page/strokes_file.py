@@ -49,7 +49,7 @@ def save_strokes(page: Page, file: Path) -> None:
 
 
 def _photograph_words(photograph: Photograph, file: Path) -> dict[str, Any]:
-    """Words for a photograph: its path from the file of strokes, and how its sheet lies in it."""
+    """A photograph as JSON: its path relative to the file of strokes, and its sheet's corners."""
     try:
         where = photograph.file.parent.resolve() / photograph.file.name
         there = Path(os.path.relpath(where, file.parent.resolve())).as_posix()

@@ -40,7 +40,7 @@ _MOST = 64  # paths that clip each other
 
 
 def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
-    """Write at each element of a drawing by which paths it is clipped.
+    """Note at each element of a drawing the paths that clip it.
 
     Parameters
     ----------
@@ -139,7 +139,7 @@ def _clip_drawing(ancestors: Sequence[Element], path: Element, named: dict[str, 
 def _fill_element(
     element: Element, rule: str, named: dict[str, Element], depth: int
 ) -> Sequence[Element]:
-    """An element of a clip path as it is filled; a use as what it is of."""
+    """An element of a clip path, filled; a use is replaced by its target."""
     if tag_of(element) == "clipPath" or depth > _MOST:
         return ()
     rule = _rule_of(element) or rule
@@ -170,7 +170,7 @@ def _rule_of(element: Element) -> str:
 
 
 def elements_by_id(root: Element) -> dict[str, Element]:
-    """The elements of a drawing that have an id, by it."""
+    """Elements of a drawing by id."""
     return {key: element for element in root.iter() if (key := element.get("id"))}
 
 

@@ -367,7 +367,7 @@ _SIZES, _PLACE = ("width", "height"), ("x", "y")
 
 
 def _in_place(root: Element) -> Element:
-    """A drawing whose symbols stand where they are used.
+    """Resolve a drawing's symbols and nested drawings where they are used.
 
     Parameters
     ----------
@@ -541,7 +541,7 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
 
 
 def _resolve_paints(root: Element, names: set[str | None]) -> None:
-    """Give what refers to a paint that is not there the colour that it names instead, or none.
+    """Replace references to missing paints by their fallback colour, or none.
 
     The package takes any reference for black.
     """
@@ -565,14 +565,14 @@ def _is_used(tag: str, root: Element) -> bool:
 
 
 class _Clips:
-    """The shapes that clip paths leave, each read when it is first asked for."""
+    """Shapes of clip paths, read on first use."""
 
     def __init__(self, paths: list[bytes], name: str) -> None:
         self._paths, self._name = paths, name
         self._shapes: dict[int, MultiPolygon] = {}
 
     def cut(self, ink: _Ink, shape: Any) -> _Ink | None:
-        """An ink of a shape of the package's, where nothing clips it; None if that is nowhere."""
+        """An ink clipped to its clip paths; None if nothing is left."""
         for number in map(int, shape.values.get(CLIPS, "").split()):
             left = as_multipolygon(ink.shape.intersection(self._clip_remainder(number)))
             if left.is_empty:
@@ -716,7 +716,7 @@ def _ids_below(element: Any, svg: Any) -> set[str]:
 def _flatten_subpaths(
     segments: Sequence[Any], flatness: float, svg: Any
 ) -> Iterator[tuple[AnyArray, bool]]:
-    """Every line of segments as points (N, 2), and whether it is closed; a dot may be one point."""
+    """Yield each subpath as points (N, 2), and whether it is closed; a dot may be one point."""
     points: list[AnyArray] = []
     controls: AnyArray = np.empty((0, 2))  # of the segment before
     for segment, before in zip(segments, (None, *segments), strict=False):
@@ -773,7 +773,7 @@ def _open_ring(points: AnyArray) -> AnyArray:
 def _inks_of_element(
     lines: list[tuple[AnyArray, bool]], drawn: _Drawn, name: str
 ) -> Iterator[_Ink]:
-    """Shapes that an element fills and strokes; white covers what was there before."""
+    """Yield the shapes that an element fills and strokes; white covers earlier ones."""
     from shapely import LineString, Point
 
     shape, width = drawn.shape, drawn.width
@@ -929,7 +929,7 @@ def _fill_bands(ink: _Ink, taken: Sequence[GlyphStroke]) -> list[GlyphStroke]:
 
 
 def _extend_closed(ink: _Ink) -> AnyArray:
-    """The line of a stroke; one that closes is led over its start by half its width."""
+    """Centre line of a stroke; a closed one overlaps its start by half its width."""
     assert ink.line is not None
     if not ink.closed:
         return ink.line

@@ -50,7 +50,7 @@ class Character:
 def characters_of(
     parts: Sequence[Polygon], width: float, lines: Sequence[str] = (), *, columns: bool = True
 ) -> list[Character]:
-    """Put the connected inks of a sheet into characters, in the order of reading.
+    """Group the connected inks of a sheet into characters, in reading order.
 
     Parameters
     ----------
@@ -97,7 +97,7 @@ def _make_character(text: str, parts: Sequence[Polygon]) -> Character:
 
 
 def _group_by_gaps(parts: Sequence[Polygon], width: float, columns: bool) -> list[Character]:
-    """Inks whose boxes overlap or are near each other are one; small ones join the nearest."""
+    """Group inks whose boxes overlap or are near each other; small ones join the nearest."""
     boxes = np.array([part.bounds for part in parts])
     groups = [[k] for k in range(len(parts))]
     near = _APART * width
@@ -253,7 +253,7 @@ def _cut_line(boxes: AnyArray, mine: AnyArray, n: int) -> list[list[int]]:
 
 
 def _find_cuts(spans: AnyArray, n: int) -> NDArray[np.float64]:
-    """Places (n + 1,) that part inks with spans (K, 2) into n, evenly and crossing few.
+    """Positions (n + 1,) that part inks with spans (K, 2) into n, evenly and crossing few.
 
     The least of what the cuts cross and of how uneven the parts are, by dynamic programming.
     """

@@ -433,7 +433,7 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
 
 
 def _drop_grain(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The larger pieces of a mask: grain is more in number."""
+    """A mask without the pieces that are much smaller than the largest: grain."""
     from scipy.ndimage import label
 
     pieces, _ = label(mask, np.ones((3, 3)))
@@ -497,7 +497,7 @@ def _pieces_and_holes(mask: NDArray[np.bool_]) -> int:
 
 
 def _threshold(density: AnyArray, inner: AnyArray) -> NDArray[np.bool_]:
-    """Places where the density is high, and those around them where it is not low."""
+    """Hysteresis threshold: pixels of high density, and their neighbours of moderate density."""
     from scipy.ndimage import label
 
     values = density[inner]
@@ -642,7 +642,7 @@ class Inks:
 
 
 def unmix_inks(reflected: NDArray[np.float32]) -> Inks:
-    """Tell black ink from red.
+    """Separate black ink from red.
 
     Parameters
     ----------

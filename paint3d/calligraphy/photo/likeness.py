@@ -83,7 +83,7 @@ class SheetLikeness:
 def painted_sheet(
     sheet: FlatPage, placed: list[tuple[Piece, PlacedPiece]], surface: PaintedSurface
 ) -> PaintedSheet:
-    """The painting seen straight, each piece in a chart around its own middle.
+    """The painting rectified onto the sheet, each piece in a chart around its own middle.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def painted_sheet(
 def _to_page(
     piece: Piece, laid: PlacedPiece, closest: ClosestPoints, there: AnyArray, sheet: FlatPage
 ) -> NDArray[np.float64]:
-    """Places of points of the surface on the sheet, pixels; NaN beyond the piece."""
+    """Positions of surface points on the sheet, pixels; NaN beyond the piece."""
     square = laid.square
     em = square.em_mm
     box = 0.5 * np.array([square.width_mm, square.height_mm])

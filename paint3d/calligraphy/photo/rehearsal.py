@@ -1,4 +1,4 @@
-"""Painting strokes on trial, to see how dry and pale they come out, and correcting what is asked.
+"""Trial paintings of strokes, to correct their dryness and strength by what comes out.
 
 What a brush leaves bare depends on more than its load: where its bundles of hairs are supplied
 worse, what it goes over again, other strokes that cross. The same recording paints the same, so
@@ -39,7 +39,7 @@ def rehearse(
     trials: int,
     sheet: FlatPage | None = None,
 ) -> Written:
-    """A plan whose dryness and strengths are corrected by what trials left bare and pale.
+    """Correct a plan's dryness and strengths by what trials left bare and pale.
 
     Parameters
     ----------

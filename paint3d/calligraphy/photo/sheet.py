@@ -118,7 +118,7 @@ def _side_ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
 def straighten(
     pixels: NDArray[np.uint8], corners: AnyArray, size: tuple[int, int]
 ) -> NDArray[np.float32]:
-    """A sheet laid flat, in linear light.
+    """Rectify a sheet, in linear light.
 
     Parameters
     ----------
@@ -190,7 +190,7 @@ def whole_picture(pixels: AnyArray) -> NDArray[np.float64]:
 
 
 def check_corners(corners: AnyArray, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Corners (4, 2) that were given, in pixels of a picture of height and width `shape`.
+    """Check given corners (4, 2), in pixels of a picture of height and width `shape`.
 
     Raises
     ------
@@ -576,7 +576,7 @@ def _resize(plane: AnyArray, shape: tuple[int, ...]) -> NDArray[np.float32]:
 
 
 def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
-    """Places that no ink darkens: ink is very dark, or coloured, or narrow; a shadow is neither."""
+    """Pixels without ink: ink is very dark, coloured, or narrow; a shadow is neither."""
     from scipy.ndimage import binary_dilation, grey_closing, median_filter, percentile_filter
 
     longest = max(small.shape[:2])
@@ -684,7 +684,7 @@ def check_exposure(sheet: NDArray[np.float32], paper: NDArray[np.float32]) -> No
 
 
 def check_ground(sheet: NDArray[np.float32]) -> None:
-    """Refuse white strokes on a dark ground, where they are not asked for.
+    """Refuse white strokes on a dark ground unless they are asked for.
 
     Parameters
     ----------

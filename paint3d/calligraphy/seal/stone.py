@@ -147,7 +147,7 @@ def _cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str 
 
 
 def cut_drawing(name: str, shape: MultiPolygon, style: str, size_mm: float) -> Seal:
-    """A seal of a drawing, the stone as long as that asks for.
+    """A seal of a drawing, on a stone of the drawing's proportions.
 
     Parameters
     ----------
@@ -257,7 +257,7 @@ def _stretch_into(ink: MultiPolygon, cell: AnyArray) -> Geometry:
 
 
 def _fit_box(low: AnyArray, high: AnyArray, cell: AnyArray, em: float) -> tuple[AnyArray, AnyArray]:
-    """Scales along x and y, and the middle, that let a box fill a cell as far as is becoming."""
+    """Per-axis scale and centre that fit a box to a cell, with limited distortion."""
     extent = np.maximum(high - low, _LEAST_EXTENT * em)
     scale = (cell[2:] - cell[:2]) / extent
     return np.minimum(scale, _DRAWN_OUT * scale.min()), 0.5 * (low + high)

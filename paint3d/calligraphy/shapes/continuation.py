@@ -183,7 +183,7 @@ def _best_pairs(prices: dict[tuple[int, int], float], n: int) -> list[tuple[int,
 def _try_pairs(
     left: Sequence[int], prices: dict[tuple[int, int], float]
 ) -> tuple[float, list[tuple[int, int]]]:
-    """The least sum of prices among the ends that are left, and its pairs."""
+    """The least sum of prices among the unpaired ends, and its pairs."""
     if len(left) < 2:
         return 0.0, []
     best = _try_pairs(left[1:], prices)

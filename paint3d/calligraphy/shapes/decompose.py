@@ -93,7 +93,7 @@ def decompose(
 
 
 def _snap_to_grid(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
-    """A polygon from 0 to 1, on a grid so fine that none sees it: where it was does not matter."""
+    """A polygon normalized to 0 to 1 on a fine grid: the result does not depend on position."""
     import shapely
 
     return shapely.transform(part, lambda p: np.round((p - low) / size * _GRID) / _GRID)
@@ -128,7 +128,7 @@ def _decompose_by_lines(ink: Ink, known: KnownStrokes) -> list[InkStroke]:
 
 
 def _decompose_joined(parts: list[Polygon], lines: Sequence[AnyArray]) -> list[InkStroke]:
-    """The strokes of letters that are joined along a line, where the way through them is known."""
+    """The strokes of joined letters, whose path is known."""
     inks = [_ink_of(part) for part in parts]
     known = lay_over(lines, inks, _mean_width(parts))
     pieces = [(piece, None) for ink in inks for piece in _decompose_by_lines(ink, known)]

@@ -1,4 +1,4 @@
-"""Shapes so compact that they have no direction of their own, alone or run together."""
+"""Dots: shapes too compact to have a direction of their own, alone or run together."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _compactness(shape: Polygon) -> float:
 
 
 def _part_at_waists(ink: Ink) -> list[InkStroke]:
-    """A shape divided at its waists, where all that come of it are dots; else nothing.
+    """A shape divided at its waists, if all its parts are dots; else nothing.
 
     Every triangle goes to the core that is nearest: what is left of the shape without a rim that
     is as deep as a waist may be.

@@ -104,7 +104,7 @@ _JOINED = (
 
 
 class JoinedForm(Glyph):
-    """A letter as joined hands write it: a way so long and loose that it can be bent to much.
+    """A letter as joined hands write it: a path so long and loose that it can be bent to much.
 
     It counts where it lies nearer, by a quarter, than the letters that are set apart.
     """

@@ -125,7 +125,7 @@ _ONE_JUNCTION = 1.4  # radii: junctions nearer than this are one, as where two s
 
 
 def tidy(skeleton: Skeleton) -> None:
-    """Leave out what is no branch of a skeleton, and make one of what is one."""
+    """Prune, fold and merge a raw skeleton."""
     tidying = _Tidying(skeleton)
     tidying.prune()
     tidying.fold()
@@ -286,17 +286,17 @@ class _Least:
         self._heap: list[tuple[float, int, Branch]] = []
 
     def set(self, figures: Iterable[tuple[Branch, float, int]]) -> None:
-        """Give branches other figures, with the order in which each was added."""
+        """Set the figures of branches, with the order in which each was added."""
         for branch, figure, order in figures:
             self._figures[branch] = figure
             heapq.heappush(self._heap, (figure, order, branch))
 
     def forget(self, branch: Branch) -> None:
-        """Leave a branch out."""
+        """Remove a branch."""
         self._figures.pop(branch, None)
 
     def pop(self, below: float) -> Branch | None:
-        """The branch with the least figure, which is left out; none where that is not below one."""
+        """Remove and return the branch with the least figure; None where that is not below one."""
         while self._heap and self._heap[0][0] < below:
             figure, _, branch = heapq.heappop(self._heap)
             if self._figures.get(branch) == figure:

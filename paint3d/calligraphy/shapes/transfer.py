@@ -239,7 +239,7 @@ class KnownStrokes:
     def placed(
         self, line: AnyArray, stroke: int | None = None, without: Collection[int] = ()
     ) -> tuple[float, float]:
-        """Place of a line, as stroke plus station, and how much of it is written forward, -1 to 1.
+        """Position of a line, as stroke plus station, and how far it is written forward, -1 to 1.
 
         On the stroke, or on the nearest ones but for some.
 
@@ -318,7 +318,7 @@ class Fit(IntEnum):
 def fit_of(
     inks: Sequence[Ink], known: KnownStrokes, labelled: Sequence[Labelled]
 ) -> tuple[Fit, float]:
-    """Return how far a shape is a drawing of the known character, by how the lines lie on it.
+    """The likeness of a shape to the known character, by how the lines lie on it.
 
     Parameters
     ----------
@@ -469,7 +469,7 @@ def _cut_where_strokes_change(ink: Ink, known: KnownStrokes, tear: bool) -> int:
 def _find_change(
     branch: Branch, known: KnownStrokes, tear: bool
 ) -> tuple[NDArray[np.float64], float] | None:
-    """Place in a branch where a stroke gives way to another, and its turn there, degrees.
+    """Position in a branch where a stroke gives way to another, and its turn there, degrees.
 
     Where smooth lines are not torn, at a corner.
     """
