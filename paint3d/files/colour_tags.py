@@ -1,4 +1,4 @@
-"""What a picture says of its colours: an ICC profile (ICC.1:2022, matrix and curve) and `cICP`."""
+"""Colour tags of pictures: an ICC profile (ICC.1:2022, matrix and curve) and `cICP`."""
 
 from __future__ import annotations
 

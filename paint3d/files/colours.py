@@ -1,4 +1,4 @@
-"""Colours as strangers' files have them: codes of vertices, materials and their pictures."""
+"""Colours in strangers' files: codes of vertices, materials and their pictures."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ BRIGHT = 16  # fractions up to here are too bright: as codes they would all be n
 def colour_codes(
     values: AnyArray, expected: int | None = None, whose: Message = VERTEX_COLOURS
 ) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
-    """Return colours (V, 3 or 4) of any type as sRGB codes (V, 3), and what was done to them.
+    """Return colours (V, 3 or 4) of any type as sRGB codes (V, 3), and notes on the conversion.
 
     See `colour_shares`.
     """
@@ -67,7 +67,7 @@ def colour_codes(
 def colour_shares(
     values: AnyArray, expected: int | None = None, whose: Message = VERTEX_COLOURS
 ) -> tuple[NDArray[np.float64] | None, tuple[Message, ...]]:
-    """Return colours of any type from 0 to 1, and what was done to them.
+    """Return colours of any type scaled to 0 to 1, and notes on the conversion.
 
     Whether the numbers run to 1, 255, 65,535 or 2^32 - 1 is seen from the numbers themselves, also
     those of opacities, which are 255 beside the darkest codes: many programs write codes of a byte

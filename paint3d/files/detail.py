@@ -1,4 +1,4 @@
-"""A mesh made fine enough to show the pictures of its materials by the colours of its vertices.
+"""Refinement of a mesh until the colours of its vertices show its materials' pictures.
 
 Triangles are halved at their longest edges where straight lines between their corners' colours
 miss the picture, the most visible first, until the picture is met, its pixels are reached, or
@@ -59,7 +59,7 @@ class Pictured(NamedTuple):
 
 
 class _Mesh:
-    """Triangles that are being halved.
+    """A triangle mesh under refinement by bisection.
 
     Attributes
     ----------
@@ -232,7 +232,7 @@ def show_pictures(
 
 
 def _smooth_normals(mesh: _Mesh) -> None:
-    """Give corners the normals of the mesh as it is, so that its flat parts stay as round.
+    """Copy the normals of the coarse mesh to corners, so that its flat parts stay as round.
 
     Faces that turn by less than 40 degrees share them.
     """
@@ -281,7 +281,7 @@ def _angles(corners: AnyArray) -> AnyArray:
 
 
 def _split(faces: AnyArray, key: AnyArray, n: int) -> tuple[AnyArray, AnyArray]:
-    """Faces on vertices whose corners have one key (3 F,) each, and whose copies they are (K,).
+    """Split vertices whose corners have different keys (3 F,); return faces and sources (K,).
 
     Of a vertex (n,) that becomes several, one keeps its number.
     """
@@ -328,7 +328,7 @@ def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, most: int) -> N
 def _measure_misses(
     mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArray
 ) -> AnyArray:
-    """By how many codes the faces (N,) would miss their pictures, as far as looked; (N,) f32.
+    """Error of the faces (N,) against their pictures, in codes; (N,) f32.
 
     Those that miss theirs at the first look are not looked at again.
     """
@@ -411,7 +411,7 @@ def _corner_colours(mesh: _Mesh, looks: Sequence[Look]) -> NDArray[np.float64]:
 def _means_where_coarse(
     mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, corners: AnyArray
 ) -> AnyArray:
-    """The corners' colours; around faces that miss their picture still, means of what is there."""
+    """The corners' colours; means of the picture around faces that still miss it."""
     pixels = mesh.pixel_lengths(sizes).max(axis=1)
     coarse = np.flatnonzero((mesh.error > 2.0 * _SEEN) & (pixels > 2.0 * _PIXEL))
     if not len(coarse):
@@ -435,7 +435,7 @@ def _means_where_coarse(
 
 
 def _split_seams(faces: AnyArray, linear: AnyArray, n: int) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Faces on vertices of one colour each, whose copies they are (K,), linear colours (K, 3).
+    """Split vertices at colour seams; return faces, sources (K,), and linear colours (K, 3).
 
     A vertex whose corners differ visibly becomes several; those that no face uses are white.
     """

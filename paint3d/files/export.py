@@ -1,4 +1,4 @@
-"""A painting to a file, in the format its suffix names."""
+"""Export of a painting to a file, in the format its suffix names."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ class PreparedExport:
     painting: Painting | Untextured
 
     def into(self, path: Path) -> PreparedExport:
-        """The same painting, to be written to another file and in its format.
+        """The same painting, prepared for another file and its format.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""For printers with a few filaments: one of k colours for every triangle.
+"""Colour reduction for printers with a few filaments: one of k colours for every triangle.
 
 The colours of a painting are gathered into clusters in CIE L*a*b*, every colour weighted by the
 area that shows it (k-means from the colours farthest apart, so that a little cinnabar is not lost
@@ -30,7 +30,7 @@ NEGLIGIBLE = 1e-4  # fraction of the area below which a colour cannot start a cl
 
 
 class Filaments(NamedTuple):
-    """Filament colours, and the one for each of the colours that there were."""
+    """Filament colours, and the index of the one for each colour."""
 
     palette: NDArray[np.uint8]  # (k, 3) sRGB, the one that covers most first
     chosen: NDArray[np.int32]  # (V,) index into the palette
@@ -102,7 +102,7 @@ def _means(linear: AnyArray, weights: AnyArray, belongs: AnyArray, k: int) -> An
 
 
 def _nearest(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np.int32]:
-    """Place in the palette (n,) of what looks most like each colour."""
+    """Index into the palette (n,) of the perceptually nearest colour."""
     lab, filaments = lab_from_srgb(codes), lab_from_srgb(palette)
     gaps = [delta_e(lab, filament[None]) for filament in filaments]
     result: NDArray[np.int32] = np.argmin(gaps, axis=0).astype(np.int32)
@@ -110,7 +110,7 @@ def _nearest(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np
 
 
 def _choose_shown(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np.int32]:
-    """Place in the palette (n,) of the filament that each colour shows, or shows most of.
+    """Index into the palette (n,) of the filament that each colour shows, or shows most of.
 
     At an edge a vertex shows two of them: black over white is grey there, which looks like teal
     before it looks like either. So a colour is one filament or a mixture of two, as light, whatever

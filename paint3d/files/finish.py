@@ -1,4 +1,4 @@
-"""What a file says of how an object looks, apart from its shape."""
+"""Appearance of an object in a file, apart from its shape."""
 
 from __future__ import annotations
 

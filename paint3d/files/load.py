@@ -17,7 +17,7 @@ from paint3d.files.reading import (
     MESH_SUFFIXES,
     UNITS_MM,
     Reading,
-    Wanted,
+    ReadOptions,
     read_surface,
     read_surface_apart,
     take_object,
@@ -48,7 +48,7 @@ Foreign: TypeAlias = Any
 
 
 def is_built_in(name: str) -> bool:
-    """Return whether a name says a built-in object or a sheet."""
+    """Return whether a name is that of a built-in object or a sheet."""
     return name in BUILT_IN_OBJECTS or is_sheet(name)
 
 
@@ -136,7 +136,7 @@ def read_mesh(
     up: str | None = None,
     progress: Progress | None = None,
 ) -> Reading:
-    """Load a mesh as `load_mesh` does, with what there is to tell instead of logging it.
+    """Load a mesh as `load_mesh` does, with its notes instead of logging them.
 
     Raises
     ------
@@ -146,7 +146,7 @@ def read_mesh(
         raise UnknownNameError("unit", str(unit), UNITS_MM)
     if up is not None and up not in (*UP_AXES, AUTO):
         raise UnknownNameError("up axis", str(up), (*UP_AXES, AUTO))
-    wanted = Wanted(unit, from_points, texture, None if up == AUTO else up)
+    wanted = ReadOptions(unit, from_points, texture, None if up == AUTO else up)
     if not isinstance(path, str | os.PathLike):
         taken = take_object(path, wanted)
         return _turn_as_guessed(taken) if up == AUTO and not taken.knows_up else taken

@@ -72,7 +72,7 @@ def read_object(mesh: object, texture: bool = False) -> RawMesh:
 
 
 def read_trimesh(mesh_or_scene: Any, texture: bool = False) -> RawMesh:
-    """Return the polygons of a Trimesh, or of all of a Scene's, each in its place."""
+    """Return the polygons of a Trimesh, or of all of a Scene's, transformed."""
     meshes = [mesh_or_scene] if hasattr(mesh_or_scene, "faces") else mesh_or_scene.dump()
     solid = [mesh for mesh in meshes if hasattr(mesh, "faces")]
     raws = [_read_one_trimesh(mesh, texture) for mesh in solid]
@@ -103,7 +103,7 @@ def _read_one_trimesh(mesh: Any, texture: bool) -> RawMesh:
 
 
 def _given_normals(mesh: Any) -> NDArray[np.float64] | None:
-    """Normals that were given with a Trimesh; None where it would work them out from its faces."""
+    """Normals given with a Trimesh; None where it would compute them from its faces."""
     own, computed = mesh.vertex_normals, mesh.copy(include_cache=False).vertex_normals
     same = np.shape(own) == np.shape(computed) and np.allclose(own, computed, atol=1e-6)
     return None if same else np.asarray(own, np.float64)
@@ -223,7 +223,7 @@ def _read_polydata(polydata: Any, texture: bool) -> RawMesh:
 
 
 def _polygons_of(padded: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Corners (N,) and sizes (P,) of polygons that stand one after the other behind their sizes."""
+    """Corners (N,) and sizes (P,) of polygons stored as size, corners, size, corners."""
     if len(padded) and len(padded) % (padded[0] + 1) == 0:
         table = padded.reshape(-1, padded[0] + 1)
         if (table[:, 0] == padded[0]).all():

@@ -176,7 +176,7 @@ def _convert_to_srgb(picture: Image, info: dict[Any, Any]) -> Image:
 
 
 def _convert_by_profile(picture: Image, profile: bytes | None) -> Image | None:
-    """A picture carried to sRGB by the profile in its file, where that suits its mode."""
+    """Convert a picture to sRGB by its embedded profile, if that suits its mode."""
     if not profile or picture.mode not in ("RGB", "CMYK", "L"):
         return None
     from PIL import ImageCms
@@ -197,7 +197,7 @@ _LONGEST = 3200  # pixels of the longer side: what writing needs of a sheet of m
 def load_photograph(
     path: Path | str, progress: Progress | None = None
 ) -> tuple[NDArray[np.uint8], float]:
-    """Load a photograph, made smaller where it is large.
+    """Load a photograph, downsampled where it is large.
 
     Parameters
     ----------
@@ -240,7 +240,7 @@ def load_photograph(
 
 
 def child_photograph(path: Path, wanted: list[Any]) -> Found:
-    """Read a photograph in the child process, made smaller to `wanted[0]` pixels."""
+    """Read a photograph in the child process, downsampled to `wanted[0]` pixels."""
     pixels, full = read_photograph(path, *wanted)
     facts: dict[str, object] = {"size": pixels.shape[:2], "full": full}
     return {"pixels": pixels.reshape(-1, 3)}, facts

@@ -1,4 +1,4 @@
-"""A surface through a point cloud, by a ball that rolls over the points."""
+"""Ball pivoting: a surface through a point cloud by a ball that rolls over it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What every mesh reader hands back: polygons as the file has them, not yet checked."""
+"""Result of every mesh reader: polygons as the file has them, not yet checked."""
 
 from __future__ import annotations
 
@@ -143,7 +143,7 @@ def with_face_colours(raw: RawMesh, codes: NDArray[np.uint8], wanted: bool) -> R
 
 
 def left_out(what: Iterable[str]) -> tuple[Message, ...]:
-    """Return one note on what a file says and paint3d does not take; none where there is none."""
+    """Return one note on parts of a file that are ignored; none where there are none."""
     named = [one if isinstance(one, Message) else Message(one) for one in sorted(what)]
     if not named:
         return ()

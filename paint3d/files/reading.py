@@ -35,8 +35,8 @@ from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
 __all__ = [
     "MESH_SUFFIXES",
     "UNITS_MM",
+    "ReadOptions",
     "Reading",
-    "Wanted",
     "child_surface",
     "read_surface",
     "read_surface_apart",
@@ -76,7 +76,7 @@ WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 SURPRISES = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 
 
-class Wanted(NamedTuple):
+class ReadOptions(NamedTuple):
     """Options of reading a file; see `paint3d.files.load.load_mesh`."""
 
     unit: str | None = None
@@ -110,12 +110,12 @@ class Reading:
 
     @cached_property
     def likely_up(self) -> Upright | None:
-        """Which way is up, likely; None where it is known."""
+        """The likely up axis; None where it is known."""
         return None if self.knows_up else self.up_by_shape
 
     @cached_property
     def up_by_shape(self) -> Upright:
-        """Which axis of the mesh points up by its shape, whatever its file says."""
+        """The up axis by the mesh's shape alone, whatever its file says."""
         return guess_up(self.mesh)
 
     @property
@@ -124,10 +124,10 @@ class Reading:
         return self.up_by_shape.sure and self.up_by_shape.up != "z"
 
 
-AS_IT_IS = Wanted()
+AS_IT_IS = ReadOptions()
 
 
-def take_object(mesh: object, wanted: Wanted = AS_IT_IS) -> Reading:
+def take_object(mesh: object, wanted: ReadOptions = AS_IT_IS) -> Reading:
     """Check a mesh of another package (`files.package_meshes`) as one that was read.
 
     Raises
@@ -152,7 +152,7 @@ def take_object(mesh: object, wanted: Wanted = AS_IT_IS) -> Reading:
 
 def read_surface_apart(
     path: Path,
-    wanted: Wanted,
+    wanted: ReadOptions,
     seconds: float | None = None,
     progress: Progress | None = None,
     idle_seconds: float = MAX_IDLE_SECONDS,
@@ -186,7 +186,7 @@ def read_surface_apart(
 
 def child_surface(path: Path, wanted: list[Any]) -> Found:
     """Read a mesh file in the child process: what `read_surface_apart` makes a `Reading` of."""
-    reading = read_surface(path, Wanted(*wanted))
+    reading = read_surface(path, ReadOptions(*wanted))
     mesh = reading.mesh
     arrays: dict[str, AnyArray] = {"vertices": mesh.vertices, "faces": mesh.faces}
     arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
@@ -199,7 +199,7 @@ def child_surface(path: Path, wanted: list[Any]) -> Found:
     return arrays, facts
 
 
-def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
+def read_surface(path: Path, wanted: ReadOptions = AS_IT_IS) -> Reading:
     """Read a file, check its polygons and turn them into a mesh in mm, z up.
 
     Raises
@@ -241,7 +241,7 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
 
 
 def _describe_damage(cause: Exception) -> Message:
-    """Describe for people what damaged structure made a reader stumble over."""
+    """Describe the damaged structure that made a reader fail."""
     if isinstance(cause, KeyError):
         return Message("it lacks {part}", part=_one_line(cause)[:60])
     if isinstance(cause, IndexError):
@@ -285,7 +285,7 @@ def _known_suffix(path: Path) -> str:
     raise MeshError("it has no suffix; expected one of {known}", known=known)
 
 
-def _make_reading(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
+def _make_reading(raw: RawMesh, name: str, wanted: ReadOptions) -> Reading:
     _check_raw(raw)
     up = wanted.up or raw.up or "z"
     turn = turn_up(up)
@@ -300,7 +300,9 @@ def _make_reading(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
     return replace(reading, knows_up=knows_up, unit_mm=unit_mm, up=up)
 
 
-def _check_mesh(raw: RawMesh, vertices: NDArray[np.float64], name: str, wanted: Wanted) -> Reading:
+def _check_mesh(
+    raw: RawMesh, vertices: NDArray[np.float64], name: str, wanted: ReadOptions
+) -> Reading:
     if len(raw.sizes) == 0:
         return _make_from_points(raw, vertices, name, wanted.from_points)
     pictured = raw.look_of is not None and len(raw.looks) > 0
@@ -384,7 +386,7 @@ def _make_from_points(
 def _unit_normals(
     normals: NDArray[np.float64] | None, vertices: NDArray[np.float64], faces: NDArray[np.int64]
 ) -> NDArray[np.float64] | None:
-    """Return normals of length 1; None where the file has none that can be used.
+    """Return normals of length 1; None where the file has no usable ones.
 
     Those of no length, or that are no numbers, are worked out from the faces.
     """

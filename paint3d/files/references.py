@@ -1,4 +1,4 @@
-"""Which other files a mesh file speaks of: its pictures, materials and buffers.
+"""References of a mesh file to other files: its pictures, materials and buffers.
 
 The mesh is a stranger's: `refers_to` runs in a child process (`files.sandbox`).
 """
@@ -88,7 +88,7 @@ def _any_is(wanted: str, top: str, names: Iterable[str]) -> bool:
 
 
 def _possible_names(line: bytes) -> Iterator[str]:
-    """Whatever at the end of a line may be a file name, which options or others stand before."""
+    """Yield every possible file name at the end of a line, after options or others."""
     words = line.strip().split()[:_MOST_WORDS]
     at = 0
     for word in words:

@@ -1,4 +1,4 @@
-"""Reading a stranger's file in a process of its own, which may crash alone.
+"""Reading of strangers' files in a child process, which may crash alone.
 
 A reader may be wrong about a file nobody has seen before: it may loop, ask for all memory, or
 take the process down with it. Started afresh (a fork of a process with threads is not safe), the
@@ -117,7 +117,7 @@ def read_apart(
 
 
 def notes_of(facts: Mapping[str, Any]) -> tuple[Message, ...]:
-    """Notes on the child that read a file: the first time, if nothing confined it.
+    """Notes on the child that read a file: on first use, if nothing confined it.
 
     Parameters
     ----------
@@ -181,7 +181,7 @@ def _wait_for(
     limits: tuple[float, float],
     progress: Progress | None,
 ) -> None:
-    """Wait for a child to end, reporting how far it should be by now."""
+    """Wait for a child to end, reporting its estimated progress."""
     began, expected = time.monotonic(), START_S
     with suppress(OSError):  # the child says what is wrong with the file
         expected += path.stat().st_size / BYTES_A_SECOND

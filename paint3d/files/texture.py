@@ -1,4 +1,4 @@
-"""A painting as a texture on the object as it was before it was refined.
+"""Baking of a painting into a texture on the mesh as it was before refinement.
 
 The object's own triangles are laid out in a square by xatlas; every triangle that painting made of
 them is then drawn there with its colours. Texels that no triangle covers get the nearest colour, so
@@ -121,7 +121,7 @@ def _find_texels(
     owners: AnyArray,
     corner_texels: AnyArray,
 ) -> NDArray[np.float64]:
-    """Return where each corner (3 F, 2) of the painted triangles lies in the texture, texels."""
+    """Return the texel coordinates of each corner (3 F, 2) of the painted triangles."""
     a, b, c = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
     ab, ac = b - a, c - a
     bb, bc, cc = (np.einsum("ij,ij->i", x, y) for x, y in ((ab, ab), (ab, ac), (ac, ac)))

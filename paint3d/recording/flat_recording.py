@@ -157,7 +157,7 @@ class Lifts:
         return _frozen(np.insert(values, self._places, values[self._source], axis=0))
 
     def put_columns(self, columns: Iterable[AnyArray]) -> AnyArray:
-        """(N + L, K) columns side by side with the lifted samples', each let go before the next."""
+        """(N + L, K) columns side by side with the lifted samples', each dropped in turn."""
         whole: NDArray[np.float64] | None = None
         for k, column in enumerate(columns):
             with_lifts = self.put(column)
@@ -207,6 +207,6 @@ def notes_of(header: Mapping[str, object]) -> list[str]:
 
 
 def _frozen(array: AnyArray) -> AnyArray:
-    """A new array that is not written to any more, so that it need not be copied."""
+    """A new read-only array, so that it need not be copied."""
     array.setflags(write=False)
     return array

@@ -123,7 +123,7 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
 
 
 class _Format(NamedTuple):
-    """Channels: what the numbers of a point are.
+    """Channels of a trace: the meaning of a point's numbers.
 
     `channels` are attributes by name, in the points' order, of which the last `intermittent` may
     be missing; `resolutions` are counts to a unit, `step_ns` is from one point to the next, and
@@ -194,7 +194,7 @@ def _walk_traces(
 
 
 def _join_continued(traces: list[_Trace]) -> list[_Trace]:
-    """Traces with the numbers of their strokes, each behind the one that it continues.
+    """Assign stroke numbers to traces, each behind the one that it continues.
 
     That is the one that its priorRef names, else the last one of a stroke that is not at its end.
     """
@@ -219,7 +219,7 @@ def _join_continued(traces: list[_Trace]) -> list[_Trace]:
 def _find_starts(
     root: ElementTree.Element,
 ) -> Callable[[ElementTree.Element, str], tuple[float, float]]:
-    """Return a function: start and duration of a trace, ms; NaN where nothing is said."""
+    """Return a function: start and duration of a trace, ms; NaN where unspecified."""
     named = {e.get(_ID) or e.get("id") or None: e for e in root.iter()}
 
     def of_timestamp(reference: str) -> float:
@@ -313,7 +313,7 @@ def _find_canvas(
     channels: Mapping[str, object],
     name: str,
 ) -> _Canvas | None:
-    """The affine map of a context's traces to its canvas; None where there is none it can use."""
+    """The affine map of a context's traces to its canvas; None where there is no usable one."""
 
     def inherited(kind: str) -> ElementTree.Element | None:
         for context in contexts:
@@ -351,7 +351,7 @@ def _find_canvas(
 def _read_affine(
     mapping: ElementTree.Element, channels: list[str]
 ) -> tuple[list[str], list[str], AnyArray] | None:
-    """Sources, targets and rows of an affine mapping of X, Y and the like; None where it is none.
+    """Sources, targets and rows of an affine mapping of X, Y and the like, or None.
 
     By its bindings; without, of the first channels to themselves.
     """
@@ -427,7 +427,7 @@ def _read_channels(layout: ElementTree.Element, name: str) -> tuple[dict[str, di
 
 
 def _read_step_ns(elements: list[ElementTree.Element]) -> int:
-    """ns from one point to the next of a source that says its rate and that it is even; else 0."""
+    """ns from one point to the next of a source with an even rate; else 0."""
     for element in elements:
         if _local_name(element) == "sampleRate" and element.get("uniform") != "false":
             rate = _milliseconds(element, "value", 0.0)  # points a second
@@ -438,7 +438,7 @@ def _read_step_ns(elements: list[ElementTree.Element]) -> int:
 def _read_resolutions(
     elements: list[ElementTree.Element], name: str
 ) -> dict[str, tuple[float, str]]:
-    """Counts to a unit, "" where it is the channel's own, by the channel properties among these."""
+    """Counts per unit, "" for the channel's own, of the channel properties among these."""
     result: dict[str, tuple[float, str]] = {}
     for entry in elements:
         key = entry.get("channel", "")
@@ -587,7 +587,7 @@ def _assemble(
 
 
 def _drop_flat_angles(part: dict[str, AnyArray], pieces: AnyArray) -> None:
-    """Make the direction unknown of traces (N,) whose pen lies flat on the pad all along.
+    """Set directions to NaN in traces (N,) whose pen lies flat on the pad throughout.
 
     None can: office programs write angles of 0 for pens, fingers and mice that tell none.
     """
@@ -630,7 +630,7 @@ def _measure_channels(
 def _convert_units(
     values: AnyArray, key: str, layout: _Format, units: Mapping[str, float], otherwise: float
 ) -> AnyArray:
-    """Values of a channel, whose unit may be any of these; `otherwise` is that of unknown ones.
+    """Values of a channel in one of these units; `otherwise` is the factor of unknown ones.
 
     Office programs tell a unit and mean counts, of which as many go to it as the resolution says.
     A channel of decimal numbers has them in its unit, and the resolution is only the device's.

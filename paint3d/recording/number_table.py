@@ -107,7 +107,7 @@ class NumberTable:
     def _read_plain(
         self, data: bytes, delimiter: str | None, comment: str | None
     ) -> tuple[AnyArray | None, AnyArray]:
-        """Return a block's rows, and which of its lines they are; None where one is not plain."""
+        """Return a block's rows, and their lines; None where one is not plain."""
         none = np.empty(0, np.int32)
         if not data.isascii() or b"\0" in data:
             return None, none
@@ -146,7 +146,7 @@ class NumberTable:
         split: Callable[[str], list[str] | None],
         first: int,
     ) -> tuple[AnyArray, AnyArray]:
-        """Return a block's rows, read one by one, so that the one that is wrong is named."""
+        """Return a block's rows, parsed one by one, so that the faulty one is named."""
         table, at = [], []
         for line, text in lines:
             cells = split(text)
@@ -184,7 +184,7 @@ class NumberTable:
         )
 
     def line(self, row: int) -> int:
-        """The line that a row came from."""
+        """The line number of a row."""
         for lines in self._lines:
             if row < len(lines):
                 return int(lines[row])
@@ -200,16 +200,16 @@ class NumberTable:
         return None
 
     def unread(self) -> list[str]:
-        """Columns that nobody asked for."""
+        """Columns that were not read."""
         return [name for name in self.names if name not in self._asked]
 
     def drop(self, *names: str) -> None:
-        """Forget the values of columns that are not asked for again."""
+        """Drop the values of columns that are not read again."""
         for name in names:
             self._columns.pop(name, None)
 
     def check(self, name: str, values: AnyArray, low: float, high: float) -> AnyArray:
-        """Return values that lie between bounds.
+        """Refuse values outside bounds; return them.
 
         Raises
         ------
@@ -251,7 +251,7 @@ def _compact(first: int, lines: AnyArray) -> range | AnyArray:
 
 
 class _Column:
-    """Numbers that grow, in pieces: an array that grew as a whole would be there twice."""
+    """A growing column of numbers, in pieces: growing one array would hold it twice in memory."""
 
     def __init__(self, kind: type) -> None:
         self._kind = kind
@@ -271,7 +271,7 @@ class _Column:
             block = block[n:]
 
     def values(self) -> AnyArray:
-        """All of them in one array."""
+        """All pieces in one array."""
         last = self._pieces[-1:]
         if last and self._n_last < len(last[0]):
             last = [last[0][: self._n_last]]

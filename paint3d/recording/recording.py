@@ -448,7 +448,7 @@ class SampleRows:
         self.object_orientations.append(self.object[1])
 
     def _accept_keys(self, keys: dict[str, Any]) -> None:
-        """Pass over unknown keys from now on, unless one looks like a slip of the pen."""
+        """Ignore unknown keys from now on, unless one looks like a typing error."""
         for key in keys:
             near = difflib.get_close_matches(key, _KEYS, n=1, cutoff=0.8)
             if key not in self.accepted and near:

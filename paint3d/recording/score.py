@@ -155,7 +155,7 @@ def _validator(kind: str) -> Callable[[Mapping[str, Any]], object]:
 
 
 def _in_words(rule: Mapping[str, Any]) -> str:
-    """Describe what a rule of the schema allows."""
+    """Describe the values that a rule of the schema allows."""
     if "$ref" in rule:
         return _in_words(schema()["$defs"][rule["$ref"].rpartition("/")[2]])
     if "anyOf" in rule:
@@ -246,7 +246,7 @@ class Score:
         return f"{self.name}: event {event + 1}" if self.name else f"event {event + 1}"
 
     def strokes(self) -> list[Recording]:
-        """The strokes, each with all its samples, whatever became of them later."""
+        """The strokes with all their samples, also those undone later."""
         parts_of_strokes: list[list[Recording]] = []
         for event in self.events:
             if isinstance(event, Recording):

@@ -142,7 +142,7 @@ def _find_middle(parts: Sequence[Recording], ground: ClosestPoints) -> tuple[Any
 
 
 def _check_ends(to: ArrayLike) -> AnyArray:
-    """Place where something goes (1, 3), or from where and to where (2, 3)."""
+    """Target point (1, 3), or source and target (2, 3)."""
     try:
         return as_array(to, "to (mm)", (2, 3))
     except InputError:
@@ -152,7 +152,7 @@ def _check_ends(to: ArrayLike) -> AnyArray:
 def _walk(
     ground: ClosestPoints, position: AnyArray, normal: AnyArray, ahead: AnyArray
 ) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Go straight ahead on the surface: where that leads, the normal there, and the turn (3, 3)."""
+    """Walk straight ahead on the surface: its end, the normal there, and the rotation (3, 3)."""
     turn = np.eye(3)
     if np.linalg.norm(ahead) < _NO_PATH_MM:
         return position, normal, turn
@@ -175,7 +175,7 @@ def _walk(
 
 
 def _carry_part(part: Recording, ground: ClosestPoints, stencil: _Stencil) -> Recording:
-    """The samples of a part where the stencil and the surface under it bring them."""
+    """Map a part's samples by a stencil, and onto the surface under it."""
     position, positions, own = _in_object(part)
     turn, factor = stencil.turn, stencil.factor
     was = ground.find(positions)
@@ -223,7 +223,7 @@ def _carry_strokes(
     mesh: TriangleMesh | ClosestPoints | None,
     stencil_of: Callable[[Sequence[Recording], ClosestPoints], _Stencil],
 ) -> Score:
-    """Strokes taken along by one map of the surface, which is made of the samples of all."""
+    """Map strokes by one stencil, made of the samples of all."""
     if mesh is None:
         raise InputError("strokes lie on an object; expected one to move, scale or mirror them on")
     ground = mesh if isinstance(mesh, ClosestPoints) else ClosestPoints(mesh)
@@ -332,7 +332,7 @@ def delete_stroke(score: Score, number: int) -> Score:
 
 
 def _remaining_events(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) -> list[Event]:
-    """Events that stay of an event of a stroke that is deleted."""
+    """Events that remain of an event of a deleted stroke."""
     if isinstance(event, Recording):
         return []
     if k == stroke.begin and stroke.emptied_redo:  # a stroke of nothing forgets as it did
@@ -344,7 +344,7 @@ def _remaining_events(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) 
 def _history_command_without(
     k: int, event: Mapping[str, Any], stroke: ScoreStroke, steps: ScoreSteps
 ) -> list[Event]:
-    """An undo, redo or replay without a stroke."""
+    """An undo, redo or replay with a stroke removed."""
     if event["do"] == "replay_history":
         n_left = sum(one is not stroke for one in steps.strokes_after[k])
         return [{**event, "upto": n_left}] if not event.get("refused") else [event]
@@ -514,7 +514,7 @@ def retime_stroke(
     seconds: float | None = None,
     shift_s: float = 0.0,
 ) -> Score:
-    """Give a stroke another time, or have it begin earlier or later.
+    """Stretch a stroke to another duration, or shift its beginning.
 
     Where ink runs meanwhile, its time in the stroke becomes longer or shorter with it, in time
     steps as they were; a shift takes from the pause on one side and gives to that on the other.
@@ -595,7 +595,7 @@ def _is_ink_time(event: Event) -> bool:
 
 
 def _stretch_times(own: Sequence[Event], first: int, factor: float, shift: int) -> list[Event]:
-    """The events of a stroke in another time: of samples, and of the ink between them."""
+    """Scale the times of a stroke's events: of samples, and of the ink between them."""
     stretched: list[Event] = []
     passed, given = 0, 0
     for event in own:
@@ -615,7 +615,7 @@ def _stretch_times(own: Sequence[Event], first: int, factor: float, shift: int) 
 
 
 def _adjust_pause(events: list[Event], n_steps: int, at: int, number: int) -> None:
-    """Add so many time steps beside a stroke (remove below 0), at one end of events."""
+    """Add time steps (remove below 0) beside a stroke, at one end of events."""
     wanted, step = abs(n_steps) * _TIME_STEP_S, -1 if at else 1
     k = at + (step if at else 0)
     while n_steps < 0 and 0 <= k < len(events):

@@ -1,4 +1,4 @@
-"""Fate of the strokes of a score: which are there at its end, and what undo takes back.
+"""State of the strokes of a score: those present at its end, and those that undo takes back.
 
 A step is what one undo takes back: a stroke, drying, a seal, a text that is laid or removed, a
 layer that comes, goes, moves or shows otherwise. Who takes a stroke out of the middle of a score
@@ -81,7 +81,7 @@ class ScoreSteps:
 
 
 class _Follower:
-    """A history without a painting."""
+    """Simulates the undo history of a score without painting it."""
 
     def __init__(self) -> None:
         self.strokes: list[ScoreStroke] = []
@@ -91,7 +91,7 @@ class _Follower:
         self.is_previewing = False
 
     def command(self, k: int, line: Mapping[str, Any]) -> list[ScoreStroke | None]:
-        """Do what a line says; return the steps that it takes back or does again."""
+        """Execute a line; return the steps that it takes back or does again."""
         name, refused = line["do"], bool(line.get("refused"))
         if name == "begin_stroke" and self.current is None:
             empties_redo = self.is_previewing or bool(self.undone)
@@ -165,7 +165,7 @@ def _is_stroke(step: ScoreStroke | None) -> bool:
 
 
 def follow_steps(score: Score) -> ScoreSteps:
-    """Follow what a score does and takes back, without painting it."""
+    """Follow the steps of a score and their undoing, without painting it."""
     follower, steps = _Follower(), ScoreSteps()
     for k, event in enumerate(score.events):
         if isinstance(event, Recording):

@@ -262,12 +262,12 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
 
 
 def _with_notes(header: dict[str, Any], notes: list[str]) -> dict[str, Any]:
-    """The header with notes of its own and these."""
+    """The header with these notes added to its own."""
     return {**header, "notes": [*notes_of(header), *notes]} if notes else header
 
 
 def _unread_notes(table: NumberTable) -> list[str]:
-    """Notes on columns that are passed over."""
+    """Notes on columns that are ignored."""
     names = ", ".join(table.unread())[:200]
     return [Message("columns not read: {names}", names=names)] if names else []
 
@@ -390,7 +390,7 @@ def _read_positions(table: NumberTable, prefix: str, scale: float) -> AnyArray:
 
 
 def _unit_notes(table: NumberTable, tip: str) -> list[str]:
-    """Notes on poses whose columns say no unit."""
+    """Notes on poses whose columns give no unit."""
     of = [_coordinate_names(prefix, axis) for prefix in (tip, *_PREFIXES[1:]) for axis in "xyz"]
     bare = [
         name
@@ -410,7 +410,7 @@ def _unit_notes(table: NumberTable, tip: str) -> list[str]:
 
 
 def _first_present(table: NumberTable, names: tuple[str, ...]) -> str | None:
-    """Name of the one of these columns that is read; None where there is none."""
+    """Name of the first of these columns that is present, or None."""
     return next((name for name in names if name in table.names), None)
 
 
@@ -457,7 +457,7 @@ def _runs(flags: AnyArray) -> tuple[AnyArray, AnyArray]:
 
 
 def _unit_of(column: str) -> float | None:
-    """Length in mm that a column's name says it counts in; None where it says none."""
+    """Length in mm of the unit in a column's name, or None."""
     return _UNITS.get(column[column.rfind("_") :]) if "_" in column else None
 
 
@@ -577,7 +577,7 @@ def _read_orientation(table: NumberTable, up: float) -> AnyArray:
 def _read_times(
     table: NumberTable, starts: AnyArray, unit: str | None
 ) -> tuple[AnyArray, list[str]]:
-    """Times in ns, and notes on what had to be done to them.
+    """Times in ns, and notes on corrections.
 
     `starts` are the strokes' first samples; `unit` is the header's, for a column that has none.
     """
@@ -617,7 +617,7 @@ def _read_times(
 
 
 def _times_in_ns(values: AnyArray, unit: float, starts: AnyArray) -> tuple[AnyArray, list[str]]:
-    """Times in ns from the first stamp; strokes that start in ms but go on in s are put right."""
+    """Times in ns from the first stamp; strokes that start in ms but go on in s are corrected."""
     counts = np.diff(np.append(starts, len(values)))
     total = values - np.repeat(values[starts], counts)
     notes = []

@@ -143,7 +143,7 @@ _HOW = "pip install 'paint3d[meshes]'"
 def _unpack_draco(
     data: bytes, primitive: dict[str, Any], asked: dict[str, int]
 ) -> dict[int, AnyArray]:
-    """The values that a packed primitive's accessors stand for.
+    """The values of a Draco-compressed primitive's accessors.
 
     Parameters
     ----------
@@ -308,7 +308,7 @@ SURFACE = {"baseColorTexture": dict, "baseColorFactor": list}
 
 
 def _check_kinds(document: Mapping[str, Any]) -> None:
-    """Refuse a document that is of another version, or whose parts are of another kind.
+    """Refuse a document of another version, or with parts of another type.
 
     Raises
     ------
@@ -537,7 +537,7 @@ class GltfFile:
         return self._buffers[index]
 
     def resource(self, uri: str) -> bytes:
-        """Return what a URI stands for: base64 data, or a file in the document's folder.
+        """Return the bytes of a URI: base64 data, or a file in the document's folder.
 
         Raises
         ------
@@ -596,7 +596,7 @@ _MIDDLE = 13
 def find_steps(
     vertices: NDArray[np.float32], metres: NDArray[np.float32]
 ) -> NDArray[np.float32] | None:
-    """Return a code (V,) of the steps from what metres give back to the vertices they stand for.
+    """Return a code (V,) of the rounding steps between vertices and what metres give back.
 
     Parameters
     ----------
@@ -775,7 +775,7 @@ class GltfPaint:
 
 
 def _image_index(texture: dict[str, Any]) -> object:
-    """Return which image a texture has: its own, or that which an extension names."""
+    """Return the index of a texture's image: its own, or that of an extension."""
     packed = texture.get("extensions", {})
     if "source" not in texture and packed and WEBP not in packed:
         raise MeshError("it is packed by {packed}, which is not read", packed=min(packed))
@@ -783,7 +783,7 @@ def _image_index(texture: dict[str, Any]) -> object:
 
 
 def _transform_uv(uv: NDArray[np.float64], turned: dict[str, Any]) -> NDArray[np.float64]:
-    """Places after KHR_texture_transform: scaled, turned, moved."""
+    """Texture coordinates after KHR_texture_transform: scaled, turned, moved."""
     angle = float(turned.get("rotation", 0.0))
     c, s = np.cos(angle), np.sin(angle)
     uv = uv * np.array(turned.get("scale", (1.0, 1.0)), np.float64)
@@ -864,7 +864,7 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
 
 
 def _find_dropped(file: GltfFile) -> set[Message]:
-    """Names of what a document has besides meshes and materials, which is left out."""
+    """Names of the document's parts besides meshes and materials, which are left out."""
     things = (Message("animations"), Message("skins"), Message("cameras"))
     dropped = {kind for kind in things if file.document.get(kind)}
     if LIGHTS in file.document.get("extensions", {}):

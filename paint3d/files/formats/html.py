@@ -113,7 +113,7 @@ def _interleave(
     low: AnyArray,
     high: AnyArray,
 ) -> AnyArray:
-    """Return what the graphics card takes, (V,) of `VERTEX`."""
+    """Return the interleaved vertex buffer, (V,) of `VERTEX`."""
     span = np.where(high > low, high - low, 1.0)
     out = np.zeros(len(vertices), VERTEX)
     out["place"] = np.rint((vertices - low) / span * 65535.0)

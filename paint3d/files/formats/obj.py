@@ -86,7 +86,7 @@ class ObjLooks:
 
 
 def _obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) -> ObjLooks:
-    """Return the looks of an OBJ's faces; none where it names no material that could be read.
+    """Return the looks of an OBJ's faces; none where it names no readable material.
 
     A texture replaces the diffuse colour.
 
@@ -250,7 +250,7 @@ def _is_number(word: bytes) -> bool:
 
 
 def _pair(words: list[bytes], default: float) -> tuple[float, float]:
-    """Return the numbers along width and height; `default` where they are not said."""
+    """Return the numbers along width and height; `default` for missing ones."""
     numbers = [float(word) for word in words[:2]]
     u, v = [x if np.isfinite(x) else default for x in [*numbers, default, default][:2]]
     return u, v
@@ -376,7 +376,7 @@ def _read_vertices(
 
 
 def _find_colour_column(table: NDArray[np.float64]) -> int:
-    """Return where red stands in vertex lines of 6, 7 or 8 numbers.
+    """Return the index of red in vertex lines of 6, 7 or 8 numbers.
 
     Eight are a weight, a colour and its opacity after the position. Seven may be a colour with an
     opacity, which is then the same everywhere, or a colour after a weight of 1.

@@ -52,7 +52,7 @@ MAX_PICTURES = 1000
 
 @dataclass(frozen=True)
 class PlyLooks:
-    """Looks of the faces; see `RawMesh`. Without looks nothing is said of them."""
+    """Looks of the faces; see `RawMesh`."""
 
     looks: tuple[Look, ...] = ()
     look_of: NDArray[np.int64] | None = None
@@ -62,7 +62,7 @@ class PlyLooks:
 
 
 def _picture_names(tables: Tables) -> list[str]:
-    """Names of the pictures that the header speaks of."""
+    """Names of the pictures in the header's comments."""
     words = (comment.partition(" ") for comment in tables.comments)
     return [name.strip() for word, _, name in words if word == KEYWORD]
 
@@ -75,7 +75,7 @@ def _has_face_colours(tables: Tables) -> bool:
 def _ply_looks(
     tables: Tables, corners: NDArray[np.int64], sizes: NDArray[np.int64], folder: Path
 ) -> PlyLooks:
-    """Return what the faces look like: their pictures, else their own colours.
+    """Return the looks of the faces: their pictures, else their own colours.
 
     Places on the pictures are those of the faces' corners (texcoord), else of the vertices (s, t);
     they count from the lower left in the file.
@@ -118,7 +118,7 @@ def _ply_looks(
 def _read_uv(
     tables: Tables, faces: Sequence[Element], corners: NDArray[np.int64], sizes: NDArray[np.int64]
 ) -> NDArray[np.float64] | None:
-    """Places (N, 2) of the corners from the upper left, nan where unknown; None: there are none."""
+    """Texture coordinates (N, 2) of the corners from the upper left, nan where unknown, or None."""
     uv = np.full((len(corners), 2), np.nan)
     vertex = next(e for e in tables.elements if e.name == "vertex")
     pair = next((p for p in PLACE_NAMES if set(p) <= set(vertex.values)), None)
@@ -140,7 +140,7 @@ def _read_uv(
 
 
 def _picture_indices(faces: Sequence[Element], n: int) -> NDArray[np.int64]:
-    """Which picture each of n polygons has; the first where nothing is said."""
+    """Index of each polygon's picture; the first by default."""
     which = np.zeros(n, np.int64)
     if faces and "texnumber" in faces[0].values and "texnumber" not in faces[0].list_sizes:
         numbers = index_array(
@@ -530,7 +530,7 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
 
 
 def _announce(tables: Tables) -> str:
-    """Name what the file has besides points; empty where that is nothing."""
+    """Name the file's elements besides points; empty where there are none."""
     others = [e for e in tables.elements if e.name != "vertex" and (e.count or e.name in WANTED)]
     if any(element.name in WANTED for element in others):
         return Message("faces")
@@ -609,7 +609,7 @@ def _colour_table(element: Element, names: tuple[str, ...]) -> AnyArray:
 
 
 def _unread_colours(element: Element) -> list[str]:
-    """Return the names of an element's columns that speak of colours and are not read."""
+    """Return the names of an element's colour columns that are not read."""
     names = [p.name for p in element.properties if NAMED_AS_COLOUR.search(p.name)]
     return [name for name in names if name not in _colour_names(element)] if element.count else []
 

@@ -150,7 +150,7 @@ class Paint3mf:
         solid: ElementTree.Element,
         triangles: Sequence[ElementTree.Element],
     ) -> Seen:
-        """Return what an object's triangles look like.
+        """Return the looks of an object's triangles.
 
         Raises
         ------
@@ -211,7 +211,7 @@ class Paint3mf:
         return groups
 
     def _add_look(self, texture: ElementTree.Element | None) -> int:
-        """Place of a texture among the looks; -1 where it cannot be read."""
+        """Index of a texture among the looks; -1 where it cannot be read."""
         try:
             if texture is None:
                 raise MeshError("it refers to one that it does not contain")
@@ -527,7 +527,7 @@ def _read_filaments(archive: zipfile.ZipFile) -> NDArray[np.float64]:
 
 
 def _see_filaments(colours: NDArray[np.float64], filaments: list[int], paint: Paint3mf) -> Seen:
-    """Return what triangles look like in filaments counted from 0, -1 for the part's own."""
+    """Return the looks of triangles in filaments counted from 0, -1 for the part's own."""
     which = np.array(filaments)
     if which.max() >= len(colours):
         paint.dropped.add(Message("colours of filaments that its settings do not name"))
@@ -700,7 +700,7 @@ def _zip_entry(name: str) -> zipfile.ZipInfo:
 
 
 def _weld(vertices: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """Return the different positions in the order of the vertices, and each vertex's one."""
+    """Return the distinct positions in the order of the vertices, and each vertex's index."""
     from paint3d.mesh.base_surface import weld
 
     points, point_of = weld(vertices)
@@ -780,7 +780,7 @@ def _write_by_filament(
 
 
 def _paint_code(filament: int) -> str:
-    """Code that slicers write on a triangle that is all of one filament, counted from 1.
+    """Slicers' code for a triangle of a single filament, counted from 1.
 
     Hexadecimal digits, the last one first: two bits of how it is split, which it is not, two of the
     filament; from the third on these are both set, and another digit counts on.
@@ -789,7 +789,7 @@ def _paint_code(filament: int) -> str:
 
 
 def _slicer_settings(colours: list[str], name: str) -> dict[str, str]:
-    """Return the parts of a package that say the filaments' colours, and what the object is."""
+    """Return the parts of a package with the filaments' colours, and the object's type."""
     called = f'<metadata key="name" value={quoteattr(name)}/>'
     return {
         "Metadata/project_settings.config": json_text(

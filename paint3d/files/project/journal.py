@@ -1,4 +1,4 @@
-"""A journal of what the hands do while painting, so that a crash costs a moment at most.
+"""A journal of the hands' samples while painting, so that a crash costs a moment at most.
 
 The file is only ever appended to. It starts with ``P3DJ`` and a block with the recording's header
 (JSON); then come blocks of samples, and an empty block where the journal was closed. A block is
@@ -151,7 +151,7 @@ class Journal:
         self._last_ns = int(table["time_ns"][-1])
 
     def note(self, facts: Mapping[str, object]) -> None:
-        """Write down something that is no sample, as JSON can hold it.
+        """Write a note: a JSON object between samples.
 
         Raises
         ------
@@ -241,7 +241,7 @@ class Journal:
         self._closing.set()
 
     def close(self) -> None:
-        """Mark the journal as whole, bring it to the disk and close it.
+        """Mark the journal as whole, sync it and close it.
 
         Raises
         ------
@@ -267,7 +267,7 @@ class Journal:
 
 
 def read_journal(path: str | os.PathLike[str]) -> tuple[Recording, Loss]:
-    """Return what a journal holds up to its end or the first damage, and what is lost.
+    """Return a journal's content up to its end or the first damage, and the loss.
 
     Raises
     ------
@@ -281,7 +281,7 @@ def read_journal(path: str | os.PathLike[str]) -> tuple[Recording, Loss]:
 def read_events(
     path: str | os.PathLike[str],
 ) -> tuple[dict[str, object], list[Recording | dict[str, object]], Loss]:
-    """Return a journal's header, its samples and notes in order, and what is lost.
+    """Return a journal's header, its samples and notes in order, and the loss.
 
     Samples between two notes are one recording. All is up to the end or the first damage.
 
@@ -305,7 +305,7 @@ def read_events(
 def _read_pieces(
     path: str | os.PathLike[str],
 ) -> tuple[dict[str, object], list[AnyArray | dict[str, object]], Loss]:
-    """Return a journal's header, its tables of samples and its notes in order, and what is lost."""
+    """Return a journal's header, its tables of samples and its notes in order, and the loss."""
     data = _read_bytes(path)
     header: object = None
     pieces: list[AnyArray | dict[str, object]] = []
@@ -326,7 +326,7 @@ def _read_pieces(
 
 
 def _without_contact(table: AnyArray) -> AnyArray:
-    """Samples of an older journal as those of this one."""
+    """Convert samples of an older journal, which had no contact points."""
     whole = np.empty(len(table), SAMPLE)
     for name in table.dtype.names or ():
         whole[name] = table[name]

@@ -1,4 +1,4 @@
-"""A painting as the writers take it: plain arrays, checked, in the file's unit and axes."""
+"""A painting for the writers: plain arrays, checked, in the file's unit and axes."""
 
 from __future__ import annotations
 
@@ -175,7 +175,7 @@ def warn_of_clipping(surface: Any, viewing: Viewing | None) -> int:
 
 
 def may_leave_srgb(pigments: Any) -> bool:
-    """Return whether any pigment is there that has a colour: black and water leave no gamut."""
+    """Return whether any pigment has a colour: black and water leave no gamut."""
     return any(np.ptp(p.K) > 0.0 or np.ptp(p.S) > 0.0 for p in pigments)
 
 
@@ -270,7 +270,7 @@ class Painting(NamedTuple):
 
 
 class PlainSurface:
-    """A mesh with the colours that it came with, as something to export; white without colours."""
+    """An unpainted mesh with its own colours, as something to export; white without colours."""
 
     def __init__(self, mesh: TriangleMesh) -> None:
         self.mesh = mesh
@@ -350,7 +350,7 @@ def read_painting(
     progress: Progress | None = None,
     roughness: float | None = None,
 ) -> Painting | Untextured:
-    """Return what is to be written of a surface, checked; it may be painted on afterwards.
+    """Read a surface's arrays for writing, checked; it may be painted on afterwards.
 
     `progress` is given the fraction done; what it raises stops it. `roughness` is of a material
     that it is to be shown on instead of its own.
@@ -428,7 +428,7 @@ def _finish_of(material: object) -> tuple[float, float] | None:
 
 
 def _copy_detail(surface: Exportable) -> Detail:
-    """Copies of what a texture is baked from.
+    """Copies of the arrays that a texture is baked from.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Sessions (.p3d): a painting as it stands, to go on with, in one file.
+"""Sessions (.p3d): a painting in one file, with all that is needed to go on.
 
 An archive (`array_archive`) with the object, the surface's state, the recordings it came from and
 the settings. What each part holds, version by version, is in docs/sessions.md.
@@ -183,7 +183,7 @@ def _pack_strokes(strokes: Sequence[Recording], prefix: str = "strokes/") -> dic
 
 
 def _distinct_words(header: Mapping[str, object]) -> dict[str, object]:
-    """A header without what every header says."""
+    """A header without the entries that are the same in every header."""
     common = checked_header({})
     return {k: v for k, v in header.items() if k not in common or v != common[k]}
 
@@ -294,7 +294,7 @@ def _make_session(parts: Parts, progress: Progress | None = None) -> Session:
 
 
 def _unpack_score(words: Mapping[str, Any], arrays: dict[str, AnyArray], prefix: str) -> Score:
-    """All that happened: lines in order, and what samples come where there is none."""
+    """The score: lines in order, and the samples between them."""
     lines = list(words["events"])
     samples = iter(_unpack_strokes([{}] * lines.count(None), arrays, prefix))
     events = [next(samples) if line is None else dict(line) for line in lines]
