@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import unescape
@@ -71,9 +71,10 @@ def refers_to(mesh: Path, file: Path) -> bool:
     """
     wanted, top = os.path.realpath(file), os.path.realpath(mesh.parent)
     try:
-        return _may_refer_to(mesh, file) and _any_is(
-            wanted, top, _NAMED[_suffix(mesh)](read_contents(mesh), Path(top))
-        )
+        if not _may_refer_to(mesh, file):
+            return False
+        names = _NAMED[_suffix(mesh)](read_contents(mesh), Path(top))
+        return any(path_beside(top, name) == wanted for name in names)
     except (MeshError, MemoryError, OSError, AttributeError, LookupError, TypeError, ValueError):
         return False
 
@@ -81,10 +82,6 @@ def refers_to(mesh: Path, file: Path) -> bool:
 def _suffix(mesh: Path) -> str:
     inner = Path(mesh.stem) if mesh.suffix.lower() in (".gz", ".bz2") else mesh
     return inner.suffix.lower()
-
-
-def _any_is(wanted: str, top: str, names: Iterable[str]) -> bool:
-    return any(path_beside(top, name) == wanted for name in names)
 
 
 def _possible_names(line: bytes) -> Iterator[str]:

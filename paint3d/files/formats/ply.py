@@ -67,11 +67,6 @@ def _picture_names(tables: Tables) -> list[str]:
     return [name.strip() for word, _, name in words if word == KEYWORD]
 
 
-def _has_face_colours(tables: Tables) -> bool:
-    """Return whether the faces have colours of their own."""
-    return any(_colour_names(e) for e in tables.elements if e.name == "face")
-
-
 def _ply_looks(
     tables: Tables, corners: NDArray[np.int64], sizes: NDArray[np.int64], folder: Path
 ) -> PlyLooks:
@@ -506,7 +501,8 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     else:
         looks = PlyLooks()
         dropped += [Message("its pictures")] if _picture_names(tables) else []
-        dropped += [FACE_COLOURS] if _has_face_colours(tables) else []
+        of_faces = any(_colour_names(e) for e in tables.elements if e.name == "face")
+        dropped += [FACE_COLOURS] if of_faces else []
     dropped += [VERTEX_COLOURS] if looks.looks and is_coloured(colours) else []
     dropped += [
         Message("what it calls {names}", names=", ".join(names)[:60])
