@@ -278,8 +278,8 @@ class PaintThread:
         now = time.perf_counter_ns()
         with self._wake:
             self._seen_ns = (now if self._seen_ns is None else self._seen_ns[1], now)
-            if self._runs_by_the_clock:
-                until_ns = self._handed_over_ns() - self._ink_time_saved_up_ns()
+            if self._is_ink_timed:
+                until_ns = self._delivered_ns() - self._batched_ink_ns()
                 if self.ink_clock.patience(until_ns) <= 0.0:
                     self._nudged = True
                     self._wake.notify()
@@ -514,8 +514,8 @@ class PaintThread:
 
     def _longest_sleep(self) -> float | None:
         """Longest time to sleep, s; None for ever."""
-        if self._runs_by_the_clock:
-            patience = self.ink_clock.patience(self._handed_over_ns())
+        if self._is_ink_timed:
+            patience = self.ink_clock.patience(self._delivered_ns())
             if self._seen_ns is None or patience <= 0.0:
                 return patience  # else a heartbeat says that it is time
         if self._writer is None:
@@ -527,7 +527,7 @@ class PaintThread:
         )
 
     @property
-    def _runs_by_the_clock(self) -> bool:
+    def _is_ink_timed(self) -> bool:
         """True if ink time passes without samples."""
         return self._wet and not self._by_samples_alone
 
@@ -540,11 +540,11 @@ class PaintThread:
                 self._n_done += 1
                 self.last_asked_s = time.monotonic()
         elif self._wet:
-            self._wait_for_the_hand()
+            self._advance_idle_ink()
         if self._slot is None and self._stale:
             self._run_guarded("showing", self._publish)
         if not self._jobs:
-            self._run_guarded("keeping", self._keep_base)
+            self._run_guarded("keeping", self._save_due_base)
             self._run_guarded("preparing", self._document.prepare_next_stroke)
 
     def _run_job(self, job: _Job) -> None:
@@ -554,7 +554,7 @@ class PaintThread:
                 self._paint_chunk(job)
             except Exception as error:
                 self.report("painting", error)
-                self._keep_refusal(error)
+                self._note_refusal(error)
             return
         command, result = job.command, job.result
         assert result is not None, "a command has one"
@@ -563,7 +563,7 @@ class PaintThread:
             return
         before = time.perf_counter()
         try:
-            self._watch_steps(name)
+            self._note_steps_past_base(name)
             if isinstance(command, str):
                 done = getattr(self._document, name)(*job.arguments, **job.options)
             else:
@@ -578,7 +578,7 @@ class PaintThread:
             result.set_exception(stopped)
         except Exception as error:
             self.report(name, error)
-            self._keep_refusal(error)
+            self._note_refusal(error)
             result.set_exception(error)
         if name == _FOLLOW:
             self._pace.took(time.perf_counter() - before)
@@ -595,39 +595,39 @@ class PaintThread:
         self.n_painted += len(chunk)
         self._lag = time.perf_counter() - job.came
 
-    def _wait_for_the_hand(self) -> None:
+    def _advance_idle_ink(self) -> None:
         """Advance the ink while the hand is silent."""
         is_dry = self._document.surface.flow_patience == math.inf
         with self._wake:
-            if self._jobs or self._stopping or not self._runs_by_the_clock:
+            if self._jobs or self._stopping or not self._is_ink_timed:
                 return
-            passed = self.ink_clock.wait(self._handed_over_ns(), self._pace.most(0.0))
+            passed = self.ink_clock.wait(self._delivered_ns(), self._pace.most(0.0))
             if passed and not is_dry:
                 self._enqueue(_ink_job(time.perf_counter()))
 
-    def _ink_time_saved_up_ns(self) -> int:
-        """Ink time that is saved up before it passes, ns: waking for each step costs more."""
+    def _batched_ink_ns(self) -> int:
+        """Ink time that passes in one batch, ns: waking for each step costs more."""
         rested_s = time.monotonic() - self.last_asked_s
         if rested_s < _LIVELY_S:
             return 0
         most_s = PIECE_S * (self._pace.most(0.0) // 2)
         return round(1e9 * min(_PORTION * rested_s, _LARGEST_S, most_s))
 
-    def _handed_over_ns(self) -> int:
-        """Up to when the hand's events have been handed over, but for what is on its way."""
+    def _delivered_ns(self) -> int:
+        """Time up to which the hand's events have been delivered, except for those in transit."""
         return time.perf_counter_ns() if self._seen_ns is None else self._seen_ns[0]
 
     # -- keeping ----------------------------------------------------------------------------
 
-    def _keep_refusal(self, error: Exception) -> None:
-        """Write down that something could not be done: doing it again will not do it either."""
+    def _note_refusal(self, error: Exception) -> None:
+        """Note in the journal that a command was refused: replaying it will be refused, too."""
         if self._writer is not None and isinstance(error, Paint3DError):
             self._writer.note(refusal(error))
 
-    def _watch_steps(self, name: str) -> None:
-        """Notice before an undo or redo that it leads past the base, which must then follow.
+    def _note_steps_past_base(self, name: str) -> None:
+        """Note before an undo or redo whether it leads past the base, which must then follow.
 
-        Bases hold the steps themselves, as far as there is room.
+        Bases hold the steps themselves, as far as there is capacity.
         """
         if name in ("undo", "redo") and self._document.edits.has_any:
             self._base_due = True  # no base knows the way over an edit
@@ -638,7 +638,7 @@ class PaintThread:
         if name == "replay_history" or 0 < number <= self._base_step:
             self._base_due = True
 
-    def _keep_base(self) -> None:
+    def _save_due_base(self) -> None:
         """Save a new base where it is due and the hand rests; nothing is lost meanwhile."""
         if self._writer is None or self._document.in_stroke:
             return

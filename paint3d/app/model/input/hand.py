@@ -784,9 +784,8 @@ class Hand:
 
     def _sample(self, stand: _Stand, brush: BrushSpec, lifted: bool = False) -> DeviceSample:
         normal = stand.normal
-        z = _limit_lean(
-            stand.lean, normal
-        )  # gliding and lifted it comes to where others were right
+        # gliding and lifted, the brush comes to points with another normal than the lean's
+        z = _limit_lean(stand.lean, normal)
         if stand.twist is None:  # laid on the surface, the bend is along the trailing tip
             bend = _any_tangent(normal, self._now.tip - stand.point)
             x = bend - (bend @ z) / (normal @ z) * normal

@@ -132,7 +132,7 @@ class RecoveryFolder:
         ExportError
             If it cannot be started; the old one goes on.
         """
-        self._lay_out_page()
+        self._prepare_next_journal()
         fresh = self._next
         assert fresh is not None, "it was laid out"
         fresh.note(encode_command(document, "set_symmetry", [document.symmetry], {}))
@@ -157,7 +157,7 @@ class RecoveryFolder:
         document.save_copy(base)
         make_private(base)
         with suppress(ExportError):  # turning the page will report it
-            self._lay_out_page()
+            self._prepare_next_journal()
         with suppress(OSError):
             self._describe(
                 document,
@@ -169,7 +169,7 @@ class RecoveryFolder:
                 with suppress(OSError):
                     old[1].unlink()
 
-    def _lay_out_page(self) -> None:
+    def _prepare_next_journal(self) -> None:
         """Create the next journal ahead, so that turning the page waits for no disk."""
         if self._next is None:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
@@ -366,7 +366,7 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
                 continue
             if has_begun:
                 unfinished += _find_unfinished(own)
-            elif _never_began(own):
+            elif _holds_nothing(own):
                 shutil.rmtree(own, ignore_errors=True)
     return sorted(unfinished, key=lambda one: one.time_s, reverse=True)
 
@@ -444,7 +444,7 @@ def _find_unfinished(folder: Path) -> list[Unfinished]:
         return []
 
 
-def _never_began(folder: Path) -> bool:
+def _holds_nothing(folder: Path) -> bool:
     """Return whether its studio ended before it described the folder: it holds no painting."""
     process, _, began = folder.name.partition("-")
     with suppress(OSError):

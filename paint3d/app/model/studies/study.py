@@ -306,7 +306,7 @@ def measure(
         surface = session.surface
         recordings = [*session.recordings, *_align_clocks(session.strokes)]
     elif is_score(file):
-        surface, recordings = _paint_score(file, on)
+        surface, recordings = _paint_whole(file, on)
     else:
         recordings = [load_recording(file)]
     spans = sorted(span for recording in recordings for span in _touches(recording))
@@ -320,7 +320,7 @@ def measure(
     return Measured(trial, file.name, (end - start) * 1e-9, seconds, likeness)
 
 
-def _paint_score(file: Path, on: str | None) -> tuple[PaintedSurface, list[Recording]]:
+def _paint_whole(file: Path, on: str | None) -> tuple[PaintedSurface, list[Recording]]:
     """Paint a whole painting; return its surface, and its strokes in one clock."""
     score = load_score(file)
     document = paint_score(score, load_mesh(on or str(score.header.get("object", ""))))
