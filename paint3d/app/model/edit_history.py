@@ -1,4 +1,4 @@
-"""Undo of edits of strokes: the painting as it was before an edit, and as it is after.
+"""Undo of edits of strokes: the painting before an edit, and after it.
 
 An edit goes back to where its stroke began, by undo, and plays the edited score from there. Steps
 that there were are set aside, so that undo of the edit brings the painting back as it was, to
@@ -33,7 +33,7 @@ Turned = tuple[list[AnyArray], ScoreRecorder | None]
 
 @dataclass(eq=False)
 class Version:
-    """The painting as it is without an edit, or with it: what takes it there.
+    """The painting with or without an edit: the undo steps that lead to it.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Version:
 
 
 class EditHistory:
-    """The edits that undo takes back, and those that redo does again.
+    """The edits that undo and redo lead over.
 
     Parameters
     ----------

@@ -85,7 +85,7 @@ class Event:
 
 @dataclass(eq=False)
 class _Job:
-    """Samples, or a command and where its result goes; and when it came."""
+    """Samples, or a command and its future; and the time of arrival."""
 
     came: float
     samples: Sequence[DeviceSample] = ()
@@ -96,7 +96,7 @@ class _Job:
 
 
 class Pace:
-    """Measures how long a time step takes here, and says how many may pass at once."""
+    """Measures the cost of a time step here, and limits how many may pass at once."""
 
     def __init__(self) -> None:
         self._piece_s = 0.0
@@ -243,7 +243,7 @@ class PaintThread:
             self.newest = samples[-1]
 
     def leave_out_samples(self, began: Future[Any], ended: Future[Any] | None) -> None:
-        """Paint no more of the samples that were fed between two commands; commands stay.
+        """Drop the samples queued between two commands; commands stay.
 
         Parameters
         ----------
@@ -373,13 +373,13 @@ class PaintThread:
                 self._wanting -= 1
 
     def look(self, seconds: float) -> Document:
-        """Document after the step that is going on, or after `seconds`: only for reading."""
+        """Document after the current step, or after `seconds`: only for reading."""
         with self.paused(seconds):
             return self._document
 
     @contextmanager
     def reporting(self, progress: Callable[[float], None]) -> Iterator[None]:
-        """Report progress, within, of strokes that are painted again by what is posted.
+        """Report progress, within, of strokes that posted commands paint again.
 
         What `progress` raises stops that, and everything is as it was.
         """
@@ -480,7 +480,7 @@ class PaintThread:
             self._writer.put(job)
 
     def _drop_jobs(self, jobs: Sequence[_Job]) -> None:
-        """Do none of these jobs that wait; holds the lock."""
+        """Cancel these waiting jobs; holds the lock."""
         left = {id(job) for job in jobs}
         self._jobs = deque(job for job in self._jobs if id(job) not in left)
         self._n_asked -= sum(job.command != _FOLLOW for job in jobs)
@@ -513,7 +513,7 @@ class PaintThread:
         return asked or (self._stale and self._slot is None)
 
     def _longest_sleep(self) -> float | None:
-        """Longest time to sleep, s; None for ever."""
+        """Longest time to sleep, s; None for no limit."""
         if self._is_ink_timed:
             patience = self.ink_clock.patience(self._delivered_ns())
             if self._seen_ns is None or patience <= 0.0:
@@ -702,7 +702,7 @@ def _set_progress(document: Document, progress: Callable[[float], None] | None) 
 
 
 def _ink_job(came: float) -> _Job:
-    """A piece of time for the ink."""
+    """A job that lets time pass for the ink."""
     return _make_job(came, _FOLLOW, PIECE_S)
 
 
@@ -739,7 +739,7 @@ class _JournalWriter:
         self._thread.start()
 
     def put(self, job: _Job) -> None:
-        """Write a job down, if it is one that changes the painting."""
+        """Write a job into the journal, if it is one that changes the painting."""
         if job.command is None or (
             isinstance(job.command, str)
             and (job.command in COMMANDS and COMMANDS[job.command].codec is not None)
@@ -748,18 +748,18 @@ class _JournalWriter:
             self._queue.put(job)
 
     def note(self, words: Mapping[str, object]) -> None:
-        """Write down a fact about what was put before; see `RecoveryFolder.note`."""
+        """Write a fact about the last job; see `RecoveryFolder.note`."""
         self._queue.put(words)
 
     def turn_page(self) -> Future[Any]:
-        """Start a new journal for what is put from now on."""
+        """Start a new journal for the jobs from now on."""
         turned: Future[Any] = Future()
         self.n_put = 0
         self._queue.put(turned)
         return turned
 
     def close(self, keep: bool) -> None:
-        """Write what waits, if it is to be kept, and close the recovery folder."""
+        """Write what waits, if wanted, and close the recovery folder."""
         self._leaving = not keep
         self._queue.put(None)
         self._thread.join()
@@ -779,7 +779,7 @@ class _JournalWriter:
                 broken = bool(errors)
 
     def _take_waiting(self) -> list[_Item]:
-        """Take all that waits, or else what comes next; nothing at the end."""
+        """Take all that waits, or else wait for the next; empty at the end."""
         items = [self._queue.get()]
         while items[-1] is not None and not self._queue.empty():
             items.append(self._queue.get())

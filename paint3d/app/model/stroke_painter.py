@@ -76,7 +76,7 @@ class ImagePainter:
 
     @contextmanager
     def _exchange_ink(self) -> Iterator[None]:
-        """Within, this brush's ink is there instead of the hand's."""
+        """Use this brush's ink instead of the hand's, within."""
         surface = self._surface
         own = surface.ink.load.copy(), surface.ink.reservoirs
         self._put_ink(*self._held)
@@ -89,7 +89,7 @@ class ImagePainter:
             self._painter.loaded += self._twin.loaded - loaded  # it may have been dipped
 
     def _pad_ink(self, load: AnyArray, reservoirs: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Ink of a brush with columns for all pigments that are known by now."""
+        """Ink of a brush padded with columns for pigments added since."""
         missing = len(self._surface.pigments) - len(load)
         return np.pad(load, (0, missing)), np.pad(reservoirs, ((0, 0), (0, missing)))
 
@@ -100,7 +100,7 @@ class ImagePainter:
 
 
 class StrokePainter:
-    """Paints a stroke and its images, and wipes off what the mask keeps free.
+    """Paints a stroke and its images, and wipes off what falls on the mask.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ class StrokePainter:
         *,
         erase: bool = False,
     ) -> None:
-        """Begin a stroke, of which it is known what it holds, or one that erases.
+        """Begin a stroke with the brush's ink known, or one that erases.
 
         See `Painter.expect` and `Eraser`.
         """

@@ -236,7 +236,7 @@ class Journal:
         finally:
             os.close(self._file)
 
-    def let_go(self) -> None:
+    def close_in_background(self) -> None:
         """Mark the journal as whole, sync and close it in its thread; do not wait for that."""
         self._closing.set()
 

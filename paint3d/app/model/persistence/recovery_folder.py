@@ -55,7 +55,7 @@ _Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
 
 
 class RecoveryFolder:
-    """Keeps one document; see `paint3d.app.model.paint_thread`.
+    """Recovery data of one document; see `paint3d.app.model.paint_thread`.
 
     Parameters
     ----------
@@ -98,20 +98,20 @@ class RecoveryFolder:
 
     @property
     def number(self) -> int:
-        """Of the journal that is written now."""
+        """Number of the current journal."""
         return self._number
 
     def append(self, samples: Iterable[DeviceSample]) -> None:
-        """Write samples down; see `Journal.append`."""
+        """Append samples; see `Journal.append`."""
         self._open_journal().append(samples)
 
     def note(self, command: Mapping[str, object]) -> None:
-        """Write a command down; see `Journal.note`."""
+        """Append a command; see `Journal.note`."""
         self._open_journal().note(command)
 
     @contextmanager
     def together(self) -> Iterator[None]:
-        """Write down at once, at the end, what comes meanwhile; see `Journal.together`.
+        """Write what is appended meanwhile at once, at the end; see `Journal.together`.
 
         The page must not be turned within.
         """
@@ -123,7 +123,7 @@ class RecoveryFolder:
         return self._journal
 
     def turn_page(self, document: Document) -> None:
-        """Start the next journal, with what no session holds; `save_base` is to follow.
+        """Start the next journal; `save_base` is to follow.
 
         All that was written down must have been painted.
 
@@ -142,11 +142,11 @@ class RecoveryFolder:
         old, self._journal, self._next = self._journal, fresh, None
         self._number += 1
         if old is not None:
-            old.let_go()
+            old.close_in_background()
             self._before = old
 
     def save_base(self, document: Document) -> None:
-        """Save the painting as it was when the page was turned; what is older can go.
+        """Save the painting as it was when the journal began; older files can go.
 
         Raises
         ------
@@ -201,7 +201,7 @@ class RecoveryFolder:
         os.replace(temporary, self.folder / _ABOUT)
 
     def close(self, keep: bool = False) -> None:
-        """End it: nothing is left to recover, unless it is to be kept."""
+        """End it: nothing is left to recover, unless `keep` is given."""
         for journal in (self._before, self._journal, self._next):
             if journal is not None:
                 with suppress(ExportError):
@@ -305,7 +305,7 @@ class Unfinished:
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Keep other programs from it meanwhile: they take it for one that goes on.
+        """Lock the folder meanwhile: other programs take its studio for a running one.
 
         Raises
         ------
@@ -346,7 +346,7 @@ class Unfinished:
         return file
 
     def discard(self) -> None:
-        """Delete it for good, unless another program has taken it up by now."""
+        """Delete it for good, unless another program has locked it by now."""
         with suppress(SessionError), self.held():
             shutil.rmtree(self.folder, ignore_errors=True)
 
@@ -404,7 +404,7 @@ def _keeping_error(root: Path, cause: OSError) -> ExportError:
 
 
 def _read_journals(journals: Sequence[Path]) -> tuple[list[_Event], Loss]:
-    """Events in order, up to the first damage, and what is lost from there on."""
+    """Events in order, up to the first damage, and the loss from there on."""
     events: list[_Event] = []
     for k, journal in enumerate(journals):
         later = sum(_bytes_of(path) for path in journals[k + 1 :])
@@ -466,7 +466,7 @@ def _find_numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
 
 
 def _split_event(event: Recording | Mapping[str, object]) -> list[_Piece]:
-    """A command, or samples in pieces that take well below a second."""
+    """Split samples into pieces that take well below a second; a command stays whole."""
     if not isinstance(event, Recording):
         return [event]
     samples = list(event.samples())
@@ -482,7 +482,7 @@ def _replay_cost(piece: _Piece) -> float:
 
 
 def _replay_piece(document: Document, piece: _Piece) -> list[Message]:
-    """Replay a piece; return what was refused, as it was when it happened first."""
+    """Replay a piece; return the message of its refusal, if it is refused again."""
     try:
         if isinstance(piece, list):
             document.feed(piece)

@@ -390,7 +390,7 @@ def stored_calibration(key: str) -> DeviceCalibration | None:
 
 
 def store_calibration(key: str, calibration: DeviceCalibration) -> Path:
-    """Keep a device's calibration; the file.
+    """Store a device's calibration; return its path.
 
     Raises
     ------

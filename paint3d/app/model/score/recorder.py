@@ -96,7 +96,7 @@ class ScoreRecorder:
 
     @classmethod
     def begin(cls, surface: PaintedSurface, painter: Painter) -> ScoreRecorder | None:
-        """For a painting that begins; None where there is something already."""
+        """For a new painting; None where there is something already."""
         untouched = surface.n_vertices == surface.paint_mesh.n_base_vertices
         if not untouched or surface.painted.any() or painter.loaded != painter.in_brush():
             return None
@@ -111,7 +111,7 @@ class ScoreRecorder:
 
     @classmethod
     def going_on(cls, saved: Session) -> ScoreRecorder | None:
-        """For a painting that was saved; None where it is not known what had been done to it."""
+        """For a painting from a session; None where its past is not known."""
         is_whole, n_strokes = saved.score is not None, len(saved.strokes)
         known = saved.score if is_whole else saved.later
         if known is not None:
@@ -141,7 +141,7 @@ class ScoreRecorder:
 
     @contextmanager
     def suspended(self) -> Iterator[None]:
-        """Write nothing down meanwhile: it belongs to what is being done."""
+        """Record nothing meanwhile: it is part of the current command."""
         self.is_suspended = True
         try:
             yield
@@ -149,7 +149,7 @@ class ScoreRecorder:
             self.is_suspended = False
 
     def feed(self, samples: Sequence[DeviceSample]) -> None:
-        """Write samples down."""
+        """Record samples."""
         last = self._events[-1] if self._events else None
         if isinstance(last, _SampleRun):
             last.extend(samples)
@@ -157,7 +157,7 @@ class ScoreRecorder:
             self._events.append(_SampleRun(samples))
 
     def command(self, name: str, arguments: Mapping[str, Any], surface: PaintedSurface) -> None:
-        """Write a command down.
+        """Record a command.
 
         Raises
         ------
@@ -180,7 +180,7 @@ class ScoreRecorder:
     def record_refusal(
         self, name: str, arguments: Mapping[str, Any], surface: PaintedSurface
     ) -> None:
-        """Write down what was refused: it may have changed something before it was."""
+        """Record a refused command: it may have changed something before."""
         vocabulary = Vocabulary(surface, self._inks)
         try:
             line = {**encode_line(name, arguments, vocabulary), "refused": True}
@@ -190,7 +190,7 @@ class ScoreRecorder:
         self._events.append(line)
 
     def score(self, object_name: str) -> Score:
-        """Score of all that was recorded."""
+        """Score of everything recorded."""
         own = {"pigments": dict(self._inks.table)} if self._inks.table else {}
         events = [
             event.recording() if isinstance(event, _SampleRun) else dict(event)
@@ -242,7 +242,7 @@ def recorded(
 def _record_done(
     document: _Recorded, command: Command, arguments: dict[str, Any], done: object
 ) -> None:
-    """Write down what was done; a score that cannot say it is a score no longer."""
+    """Record a finished command; a score that cannot encode it is dropped."""
     name = command.written_as or command.name
     if name == "begin_stroke":
         arguments["time_s"] = document.current_stroke.time_s
