@@ -289,14 +289,14 @@ class Painter(StrokePainter):
         InputError, MeshError
             If it cannot be cut, or there is no place for it.
         """
-        from paint3d.calligraphy.layout import places_for
+        from paint3d.calligraphy.layout import frames_for
         from paint3d.calligraphy.seal.impression import Pressing, find_impression, lay_paste
         from paint3d.calligraphy.seal.stone import cut_seal
         from paint3d.mesh.chart import frame_at
 
         stone = cut_seal(text, svg, style, size, shape=shape, font=font)
         closest, angle = self.surface.closest_points, math.radians(rotate)
-        frames = places_for(closest, at, side)
+        frames = frames_for(closest, at, side)
         pressing = Pressing(coats=coats, wear=wear, seed=seed)
         fault: Paint3DError | None = None
         for _, frame in zip(range(_MOST_PLACES), frames, strict=False):

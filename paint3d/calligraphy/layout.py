@@ -44,9 +44,9 @@ __all__ = [
     "TextPlace",
     "WritingArea",
     "find_writing_areas",
+    "frames_for",
     "frames_to_try",
     "layout_text",
-    "places_for",
     "split_text",
     "start_around",
     "upright_frame",
@@ -278,7 +278,7 @@ def find_writing_areas(
     return (nearest,), layout
 
 
-def places_for(
+def frames_for(
     surface: ClosestPoints, at: tuple[float, float] | None, side: str | None
 ) -> Iterator[SurfaceFrame]:
     """Frames where what is laid on an object may go: at a position, or one after another.
@@ -419,7 +419,7 @@ def _lay_on(
         raise with_suggestion(fault, em_mm, layout, lies)
     if fixed:
         raise fault
-    return _search_places(area, lines, em_mm, layout, limits, fault)
+    return _search_frames(area, lines, em_mm, layout, limits, fault)
 
 
 @lru_cache(maxsize=1)
@@ -428,7 +428,7 @@ def _middle_grid(area: WritingArea, em_mm: float, layout: Layout, limits: Square
     return _Grid(area, em_mm, layout, limits, area.middle(layout))
 
 
-def _search_places(
+def _search_frames(
     area: WritingArea,
     lines: Sequence[str],
     em_mm: float,
@@ -502,7 +502,7 @@ def with_suggestion(
             "{cause}; a size of {smaller:g} mm would fit", cause=fault.message, smaller=smaller
         )
     elif smaller is None:
-        return _with_place(fault, *other)
+        return _with_position(fault, *other)
     else:
         message = Message(
             "{cause}; a size of {smaller:g} mm would fit, and this size at {u:g},{v:g}",
@@ -514,7 +514,7 @@ def with_suggestion(
     return type(fault)(message, hint=fault.hint)
 
 
-def _with_place(fault: InputError, u: float, v: float) -> InputError:
+def _with_position(fault: InputError, u: float, v: float) -> InputError:
     """A fault with a position at which a text of this size fits."""
     message = Message("{cause}; this size would fit at {u:g},{v:g}", cause=fault.message, u=u, v=v)
     return type(fault)(message, hint=fault.hint)
@@ -703,7 +703,7 @@ class _Grid(TextPlace):
                 return error
         except InputError:
             return error
-        return _with_place(error, u, self.layout.at[1])
+        return _with_position(error, u, self.layout.at[1])
 
     @property
     def usable_area(self) -> float:

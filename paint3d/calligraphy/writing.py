@@ -309,7 +309,7 @@ def _with_ink_per_sample(
     """Recording of what is written, with how dry and how strong its strokes are."""
     glyphs = [piece.glyph for piece in written.placed]
     strokes = [stroke for glyph in glyphs for stroke in glyph.strokes]
-    asked = [share for stroke in strokes for share in stroke.dryness]
+    asked = [fraction for stroke in strokes for fraction in stroke.dryness]
     pale = any(stroke.strength < 1.0 for stroke in strokes)
     if not asked and not pale:
         return written

@@ -21,7 +21,7 @@ __all__ = [
     "VERTEX_COLOURS",
     "Look",
     "colour_codes",
-    "colour_shares",
+    "colour_fractions",
     "is_coloured",
     "linear_from_srgb",
     "open_picture",
@@ -56,15 +56,15 @@ def colour_codes(
 ) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     """Return colours (V, 3 or 4) of any type as sRGB codes (V, 3), and notes on the conversion.
 
-    See `colour_shares`.
+    See `colour_fractions`.
     """
     if values.dtype == np.uint8 or not values.size:
         return np.ascontiguousarray(values[:, :3], np.uint8), ()
-    fractions, notes = colour_shares(values, expected, whose)
+    fractions, notes = colour_fractions(values, expected, whose)
     return None if fractions is None else np.floor(BYTE * fractions + 0.5).astype(np.uint8), notes
 
 
-def colour_shares(
+def colour_fractions(
     values: AnyArray, expected: int | None = None, whose: Message = VERTEX_COLOURS
 ) -> tuple[NDArray[np.float64] | None, tuple[Message, ...]]:
     """Return colours of any type scaled to 0 to 1, and notes on the conversion.

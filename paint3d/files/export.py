@@ -291,14 +291,14 @@ def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: st
 
 
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.formats.records import standing_place, write_records
+    from paint3d.files.formats.records import standing_position, write_records
 
     arrays = painting.vertices, painting.normals, painting.srgb
     write_records(
         path,
         *arrays,
         faces=painting.faces,
-        initial_position=standing_place(painting.vertices),
+        initial_position=standing_position(painting.vertices),
         packed=options.packed_normals,
     )
 

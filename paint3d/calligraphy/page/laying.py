@@ -435,11 +435,11 @@ def _outermost_first(page: Page) -> list[int]:
     """Indices of a page's pieces from its edges inwards: a surface ends there first."""
     left, lower, right, upper = page.bounds
 
-    def room(k: int) -> float:
+    def distance_to_edge(k: int) -> float:
         x, y = page.pieces[k].at
         return min(x - left, right - x, y - lower, upper - y)
 
-    return sorted(range(len(page.pieces)), key=room)
+    return sorted(range(len(page.pieces)), key=distance_to_edge)
 
 
 def _words_of(page: Page) -> dict[int, dict[int, list[Box]]]:

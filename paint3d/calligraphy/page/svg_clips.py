@@ -56,7 +56,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
     """
     named = elements_by_id(root)
     if any(map(_property_of, root.iter())):
-        _put_in_place(root, named)
+        _inline_uses(root, named)
     paths: list[bytes] = []
     others: set[str] = set()
 
@@ -87,7 +87,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
     return paths, others
 
 
-def _put_in_place(element: Element, named: dict[str, Element]) -> None:
+def _inline_uses(element: Element, named: dict[str, Element]) -> None:
     """Put what is used in place of its uses, where it may be clipped otherwise."""
     for k, child in enumerate(element):
         used = named.get(reference_of(child)) if tag_of(child) == "use" else None
@@ -98,7 +98,7 @@ def _put_in_place(element: Element, named: dict[str, Element]) -> None:
             group.set("transform", _transform(child))
             group.append(deepcopy(used))
             element[k] = child = group
-        _put_in_place(child, named)
+        _inline_uses(child, named)
 
 
 def _transform(use: Element) -> str:

@@ -366,7 +366,7 @@ _NOT_DRAWN = ("marker", "mask", "symbol")
 _SIZES, _PLACE = ("width", "height"), ("x", "y")
 
 
-def _in_place(root: Element) -> Element:
+def _inline_symbols(root: Element) -> Element:
     """Resolve a drawing's symbols and nested drawings where they are used.
 
     Parameters
@@ -516,7 +516,7 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
         )
     root = _check_svg(data, path.name)
     _check_numbers(root, path.name)
-    placed = _in_place(root)
+    placed = _inline_symbols(root)
     in_numbers(placed)
     _resolve_paints(placed, {element.get("id") for element in root.iter()})
     paths, others = mark_clipped(placed)

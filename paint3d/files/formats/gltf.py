@@ -22,7 +22,7 @@ from paint3d.files.colours import (
     NAMED_AS_COLOUR,
     REPEAT,
     Look,
-    colour_shares,
+    colour_fractions,
     open_picture,
     srgb_from_linear,
 )
@@ -710,7 +710,7 @@ class GltfPaint:
 
     def vertex_colours(self, values: AnyArray) -> NDArray[np.uint8] | None:
         """Return the sRGB codes (V, 3) of COLOR_0: of linear colours, but for some writers'."""
-        fractions, notes = colour_shares(values)
+        fractions, notes = colour_fractions(values)
         self.notes += notes
         if fractions is None or self._srgb_writer is None:
             return None if fractions is None else srgb_from_linear(fractions)

@@ -35,7 +35,7 @@ __all__ = [
     "read_records",
     "read_records_here",
     "read_records_mesh",
-    "standing_place",
+    "standing_position",
     "unpack_normals",
     "write_records",
 ]
@@ -75,7 +75,7 @@ class Records(NamedTuple):
     faces: NDArray[np.int64] | None = None
 
 
-def standing_place(vertices: AnyArray) -> tuple[float, float, float]:
+def standing_position(vertices: AnyArray) -> tuple[float, float, float]:
     """Position of an object, mm: middle of its box in x and y, its lowest point in z."""
     low, high = np.min(vertices, axis=0), np.max(vertices, axis=0)
     middle = (low + high) / 2.0

@@ -560,7 +560,7 @@ def _split_as_painted(
     for (a, b), k in halves.items():  # those of finer edges come later
         points[k] = 0.5 * (points[a] + points[b])
 
-    def way(a: int, b: int) -> list[int]:
+    def edge_path(a: int, b: int) -> list[int]:
         """The vertices from a to b, without b."""
         vertex_ids, open_ways = [], [(a, b)]
         while open_ways:
@@ -577,7 +577,7 @@ def _split_as_painted(
     middles: list[NDArray[np.float64]] = []
     for corners, filament in leaves:
         a, b, c = corners
-        ring = [*way(a, b), *way(b, c), *way(c, a)]
+        ring = [*edge_path(a, b), *edge_path(b, c), *edge_path(c, a)]
         if len(ring) == 3:
             parts = [corners]
         else:
