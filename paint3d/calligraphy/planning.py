@@ -108,9 +108,9 @@ def detours_to(
     """The line with its detours to a corner: visits, and a bend where it goes on beyond.
 
     A second visit goes to what lies farthest towards the corner's middle, where that is not the
-    farthest of it: a rim runs on from there that is too thin to be worth a way.
+    farthest of it: a rim runs on from there that is too thin to be worth a path.
 
-    Where the bend of the tuft is `held` against the motion nothing turns back: a bend only.
+    Where the bend of the tuft `is_held` against the motion nothing turns back: a bend only.
     """
     if not is_held:
         yield _visiting(line, corner, field)

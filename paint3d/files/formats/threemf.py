@@ -562,14 +562,14 @@ def _split_as_painted(
 
     def edge_path(a: int, b: int) -> list[int]:
         """The vertices from a to b, without b."""
-        vertex_ids, open_ways = [], [(a, b)]
-        while open_ways:
-            a, b = open_ways.pop()
+        vertex_ids, open_edges = [], [(a, b)]
+        while open_edges:
+            a, b = open_edges.pop()
             middle = halves.get((a, b) if a < b else (b, a))
             if middle is None:
                 vertex_ids.append(a)
             else:
-                open_ways += [(middle, b), (a, middle)]
+                open_edges += [(middle, b), (a, middle)]
         return vertex_ids
 
     triangles: list[tuple[int, int, int]] = []
