@@ -14,7 +14,7 @@ import traitlets
 from anywidget import AnyWidget
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.errors import InputError
 from paint3d.recording.recording import Recording
@@ -96,5 +96,5 @@ class Editor(AnyWidget):
     def _document(self) -> Document:
         text = self._text  # which may go on while it is painted
         if self._painted is None or self._painted[0] != text:
-            self._painted = text, paint_score(read_score(text, _NAME), self._mesh)
+            self._painted = text, painted(read_score(text, _NAME), self._mesh)
         return self._painted[1]

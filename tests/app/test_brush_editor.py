@@ -31,7 +31,7 @@ from paint3d.app.model.persistence.own_brushes import (
 )
 from paint3d.app.model.persistence.saved_settings import chosen_brush, in_hand
 from paint3d.app.model.persistence.settings import Settings
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.app.window.brush import brush_editor, brush_panel
 from paint3d.app.window.brush.brush_editor import changed, range_of, value_of
 from paint3d.app.window.previews import sorted_parts, stroke_preview
@@ -164,7 +164,7 @@ def test_strokes_of_an_edited_brush_are_undone_kept_and_painted_again_from_the_s
         document = window.document
         assert [stroke.brush for stroke in document.strokes] == [brush, other]
         srgb = document.surface.srgb.copy()
-        again = paint_score(document.score, document.surface.source)
+        again = painted(document.score, document.surface.source)
         assert np.array_equal(again.surface.srgb, srgb)
         document.save(tmp_path / "a.p3d")
         window.workspace.actions["undo"].trigger()

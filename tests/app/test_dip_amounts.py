@@ -17,7 +17,7 @@ from paint3d.app.model.commands import encode_command, replay_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.repainting import Repainter
-from paint3d.app.model.score.playing import paint_score, score_of_strokes
+from paint3d.app.model.score.playing import painted, score_of_strokes
 from paint3d.app.model.score.stepping import cues_of
 from paint3d.app.model.stroke_log import Stroke, strokes_of, weights_of
 from paint3d.brush.presets import load_brush
@@ -98,7 +98,7 @@ def test_strokes_say_what_their_dips_took_up() -> None:
 
 def test_a_score_with_amounts_is_painted_to_the_bit(tmp_path: Path) -> None:
     document = sitting()
-    again = paint_score(read_back(document.score, tmp_path), document.surface.source)
+    again = painted(read_back(document.score, tmp_path), document.surface.source)
     same_paintings(document, again)
     assert in_hand(again) == in_hand(document) == of_amount(document, DipAmount(**MUCH))
 
@@ -107,7 +107,7 @@ def test_a_score_knows_the_amount_with_which_painting_began(tmp_path: Path) -> N
     surface = PaintedSurface(load_mesh("plane"), 2.5)
     document = Document(surface, Painter(surface, amount=DipAmount(**LITTLE)))
     paint(document, (-15, 0), (15, 0))
-    again = paint_score(read_back(document.score, tmp_path), surface.source)
+    again = painted(read_back(document.score, tmp_path), surface.source)
     same_paintings(document, again)
     assert in_hand(again) == in_hand(document)
 
@@ -118,7 +118,7 @@ def test_strokes_alone_keep_their_amounts() -> None:
     assert score is not None
     dips = [line for line in score.events if isinstance(line, dict) and line["do"] == "dip"]
     assert [dip.get("amount") for dip in dips] == [None, LITTLE, MUCH]
-    again = paint_score(score, document.surface.source)
+    again = painted(score, document.surface.source)
     same_paintings(document, again)
 
 
@@ -187,7 +187,7 @@ def test_an_edit_and_its_undo_leave_the_amount_that_was_chosen_last(edit: dict) 
     document.undo()
     assert in_hand(document) == of_amount(document, DipAmount(0.25))
     document.redo()
-    again = paint_score(document.score, document.surface.source)
+    again = painted(document.score, document.surface.source)
     assert in_hand(document) == in_hand(again)
 
 
@@ -200,7 +200,7 @@ def test_an_amount_that_a_deleted_stroke_brought_stays() -> None:
     document.end_stroke()
     document.dip()
     paint(document, (-15, 5), (15, 5))
-    left = paint_score(delete_stroke(document.score, 1), document.surface.source)
+    left = painted(delete_stroke(document.score, 1), document.surface.source)
     assert in_hand(left) == in_hand(document)
 
 
@@ -212,7 +212,7 @@ def test_a_dip_that_is_refused_changes_nothing() -> None:
             document.dip(ink, amount=LITTLE)
         assert in_hand(document) == before
         assert document.painter.in_brush() == held
-    again = paint_score(document.score, document.surface.source)
+    again = painted(document.score, document.surface.source)
     assert in_hand(again) == before
     assert all(cue.command != "dip" for cue in cues_of(document.score, again.surface))
 
@@ -427,11 +427,11 @@ def test_a_whole_painting_knows_the_loads(tmp_path: Path) -> None:
     document = by_hand(64)
     assert document.score is not None
     save_score(document.score, tmp_path / "a.score.jsonl")
-    played = paint_score(load_score(tmp_path / "a.score.jsonl"), load_mesh("plane"))
+    played = painted(load_score(tmp_path / "a.score.jsonl"), load_mesh("plane"))
     same_vertices(played.surface, wanted())
     again = score_of_strokes(document.strokes, document.surface)
     assert again is not None
-    same_vertices(paint_score(again, load_mesh("plane")).surface, wanted())
+    same_vertices(painted(again, load_mesh("plane")).surface, wanted())
 
 
 def test_a_stroke_keeps_what_was_told_with_a_session_and_as_a_recording() -> None:
@@ -619,7 +619,7 @@ def test_it_is_kept_in_score_and_session(window, tmp_path: Path) -> None:
     choose_little(window)
     dip_by_key(window)
     stroke(window, 0.4)
-    again = paint_score(window.document.score, window.document.surface.source)
+    again = painted(window.document.score, window.document.surface.source)
     with window.stage.paint_thread.paused() as document:
         same_paintings(document, again)
     assert again.painter.amount == LITTLE_LEFT
@@ -659,7 +659,7 @@ def test_it_is_dipped_by_itself_before_a_stroke_for_which_little_is_left(window)
     assert in_the_hand(window)[1] > left
     assert window.document.painter.amount == DipAmount(wetted=0.01)
     with window.stage.paint_thread.paused() as document:
-        same_paintings(document, paint_score(document.score, document.surface.source))
+        same_paintings(document, painted(document.score, document.surface.source))
     assert load_settings()[0].dips_by_itself
 
 

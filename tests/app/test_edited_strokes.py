@@ -15,7 +15,7 @@ from paint3d.app.model.commands import decode_command, encode_command, replay_co
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
 from paint3d.app.model.mask import AngleMask, Mask
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BristleSpec
 from paint3d.errors import InputError, Paint3DError, RecordingError
@@ -66,7 +66,7 @@ def same(one: dict, other: dict, but: tuple[str, ...] = ()) -> None:
 
 def as_replayed(document: Document) -> None:
     """It looks as its score does when that is painted on a bare object."""
-    again = paint_score(document.score, document.surface.source)
+    again = painted(document.score, document.surface.source)
     again.refresh(), document.refresh()
     one, other = document.surface, again.surface
     off, at = cKDTree(one.paint_mesh.vertices).query(other.paint_mesh.vertices)

@@ -17,7 +17,7 @@ from PySide6 import QtCore, QtGui, QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.devices import NoDevices
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
-from paint3d.app.model.score.playing import paint_score, score_of_strokes
+from paint3d.app.model.score.playing import painted, score_of_strokes
 from paint3d.app.model.stroke_log import ERASES
 from paint3d.app.window.hand.device_input import DeviceInput
 from paint3d.cli.painting import PaintingOptions, paint_onto
@@ -128,7 +128,7 @@ def test_files_and_scores_erase_again(document, tmp_path) -> None:
     document.save(tmp_path / "one.p3d")
     opened = Document.open(tmp_path / "one.p3d")
     np.testing.assert_array_equal(shown(opened), seen)
-    played = paint_score(document.score, document.surface.source)
+    played = painted(document.score, document.surface.source)
     np.testing.assert_array_equal(shown(played), seen)
     alone = score_of_strokes(document.strokes, document.surface)
     begun = [e for e in alone.events if isinstance(e, dict) and e["do"] == "begin_stroke"]
@@ -316,7 +316,7 @@ def test_blotting_paper_lifts_what_is_wet_and_leaves_what_is_dry() -> None:
     assert after[: len(before)][high].astype(int).sum() > before[high].astype(int).sum()
     document.let_time_pass(5.0)
     np.testing.assert_array_equal(shown(document)[: len(after)], after)  # no water is left
-    played = paint_score(document.score, surface.source)
+    played = painted(document.score, surface.source)
     np.testing.assert_array_equal(shown(played), shown(document))
     document.undo()
     np.testing.assert_array_equal(shown(document)[: len(before)], before)

@@ -14,7 +14,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtGui, QtTest, QtWidgets
 
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.app.window.ink.ink_panel import DishGrid
 from paint3d.app.window.ink.water_scale import MOST_WATER
 from paint3d.app.window.theme import LIGHT_THEME
@@ -143,7 +143,7 @@ def test_pigments_of_ones_own_are_dishes_to_dip_in(window, tmp_path: Path, monke
     dishes.stirred.emit("indigo")
     window.panels.inks.dip_mixture()
     assert held(window) == {"dragon blood": 0.5, "indigo": 0.5}
-    again = paint_score(window.document.score, window.document.surface.source)
+    again = painted(window.document.score, window.document.surface.source)
     assert np.array_equal(again.surface.srgb, window.document.surface.srgb)
 
 
@@ -163,7 +163,7 @@ def test_the_brush_takes_ink_up_again_where_it_is_asked_to(window) -> None:
     names = [pigment.name for pigment in surface.pigments]
     load = surface.ink.load
     assert load[names.index("pine soot")] > 0.0  # of the stroke below
-    again = paint_score(window.document.score, surface.source)
+    again = painted(window.document.score, surface.source)
     assert again.pickup == 0.2
     assert np.array_equal(again.surface.srgb, surface.srgb)
     window.workspace.post("set_pickup", 0.0)

@@ -15,7 +15,7 @@ from paint3d.app.model.document import Document
 from paint3d.app.model.laid_text import LaidText, pack_texts, unpack_texts
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.app.window.copybook.copybook_guide import date_line, signer_in
 from paint3d.app.window.seal import SealDialog
 from paint3d.brush.presets import load_brush
@@ -428,7 +428,7 @@ def test_texts_come_back_from_files_scores_and_recovery(window, tmp_path) -> Non
     assert again.texts[0].turn == 0.0
     again.redo()
     assert again.texts == texts
-    assert paint_score(document.score, document.surface.source).texts == texts
+    assert painted(document.score, document.surface.source).texts == texts
 
 
 def test_a_reopened_painting_counts_no_stroke_from_before_its_text(

@@ -8,7 +8,7 @@ import pytest
 from paint3d.app.model.document import Document
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.errors import LayerError, Paint3DError
 from tests.app.test_layers import ACROSS, ALONG, close, differences, paint, shown, small_plane
 
@@ -140,7 +140,7 @@ def test_files_scores_and_recovery_bring_looks_back(document, tmp_path) -> None:
         document.redo()
         again.redo()
     np.testing.assert_array_equal(shown(again), seen)
-    played = paint_score(document.score, document.surface.source)
+    played = painted(document.score, document.surface.source)
     assert played.layers == layers
     np.testing.assert_array_equal(shown(played), seen)
 

@@ -16,7 +16,7 @@ from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.document import Document
 from paint3d.app.model.persistence.recovery_folder import recoverable
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.app.model.stroke_log import weights_of
 from paint3d.app.window.playing import pictures
 from paint3d.app.window.playing.pictures import FilmDialog, FilmOptions
@@ -155,7 +155,7 @@ def test_a_whole_painting_is_played_in_time_pauses_and_changes_its_speed(window,
     settled(window)
     assert not window.replay_bar.isVisible()
     assert "Ready" in window.status.message_label.text()
-    again = paint_score(load_score(SCORE), load_mesh("plane"))
+    again = painted(load_score(SCORE), load_mesh("plane"))
     same_vertices(window.document.surface, again.surface)
     assert window.document.layers == again.layers
     assert len(window.document.strokes) == len(again.strokes)
@@ -179,7 +179,7 @@ def test_a_played_score_is_a_score_again_and_stops_where_it_is(window, tmp_path)
     document = window.document
     assert not document.in_stroke
     assert 1 <= len(document.strokes) < 8
-    again = paint_score(document.score, load_mesh("plane"))
+    again = painted(document.score, load_mesh("plane"))
     same_vertices(document.surface, again.surface)
     assert isinstance(document, Document)
 

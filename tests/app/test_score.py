@@ -22,7 +22,7 @@ from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.score import playing
 from paint3d.app.model.score.codecs import InkTable, Vocabulary
-from paint3d.app.model.score.playing import begun, paint_score, score_of_strokes
+from paint3d.app.model.score.playing import begun, painted, score_of_strokes
 from paint3d.app.model.stroke_log import recording_of
 from paint3d.brush.presets import load_brush
 from paint3d.cli.main import main
@@ -181,7 +181,7 @@ def test_a_random_sitting_and_its_replay_are_the_same_to_the_bit(
     for k, one in enumerate(chain.from_iterable(passages)):
         do(document, one, 1_000_000_000 * (k + 1))
     score = read_back(document.score, tmp_path_factory.mktemp("score"))
-    again = paint_score(score, document.surface.source)
+    again = painted(score, document.surface.source)
     same_paintings(document, again)
     assert "".join(write_score(again.score)) == "".join(write_score(score))
 
@@ -214,9 +214,7 @@ def test_what_is_written_down_as_a_dip_is_dipped_in(tmp_path, command) -> None:
         document.pick_colour(int(ids[0]))
     assert document.painter.dipped != {"indigo": 1.0}
     paint(document, (-20, 10), (20, 10))
-    same_paintings(
-        document, paint_score(read_back(document.score, tmp_path), document.surface.source)
-    )
+    same_paintings(document, painted(read_back(document.score, tmp_path), document.surface.source))
 
 
 @settings(deadline=None, max_examples=examples(40))
@@ -261,7 +259,7 @@ def test_a_saved_painting_goes_on_with_its_score(tmp_path) -> None:
     paint(opened, (-15, 12), (15, -12))
     opened.undo()
     paint(opened, (-15, 10), (15, -2))
-    same_paintings(opened, paint_score(read_back(opened.score, tmp_path), document.surface.source))
+    same_paintings(opened, painted(read_back(opened.score, tmp_path), document.surface.source))
 
 
 def test_samples_become_recordings_once_however_often_it_is_saved(tmp_path, monkeypatch) -> None:
@@ -302,7 +300,7 @@ def test_what_cannot_be_known_is_not_said(tmp_path) -> None:
     paint(opened, (-10, 5), (10, 5))
     assert opened.score is None
     score = read_back(score_of_strokes(opened.strokes, opened.surface), tmp_path)
-    again = paint_score(score, document.surface.source)
+    again = painted(score, document.surface.source)
     np.testing.assert_array_equal(again.surface.srgb, opened.surface.srgb)
 
 
@@ -319,7 +317,7 @@ def test_strokes_alone_keep_their_brushes_inks_and_layers(tmp_path) -> None:
     document.select_layer(0)
     paint(document, (-20, -14), (20, -8))
     score = read_back(score_of_strokes(document.strokes, document.surface), tmp_path)
-    again = paint_score(score, document.surface.source)
+    again = painted(score, document.surface.source)
     np.testing.assert_array_equal(again.surface.srgb, document.surface.srgb)
     assert [layer.name for layer in again.layers] == [layer.name for layer in document.layers]
 
@@ -344,10 +342,10 @@ def test_a_score_on_another_object_is_told_where_it_does_not_fit() -> None:
     sitting(document)
     lines = [*document.score.events, {"do": "remove_layer", "place": 7}]
     with pytest.raises(RecordingError, match=r"event \d+: remove_layer: .* expected"):
-        paint_score(Score(document.score.header, tuple(lines)), document.surface.source)
+        painted(Score(document.score.header, tuple(lines)), document.surface.source)
     header = {**document.score.header, "brush": "borad"}
     with pytest.raises(RecordingError, match="header: unknown brush 'borad'"):
-        paint_score(Score(header, ()), document.surface.source)
+        painted(Score(header, ()), document.surface.source)
 
 
 @pytest.mark.parametrize(
@@ -362,7 +360,7 @@ def test_a_score_on_another_object_is_told_where_it_does_not_fit() -> None:
 def test_a_dip_that_cannot_be_is_refused(words, told) -> None:
     document = small_plane()
     with pytest.raises(RecordingError, match=told):
-        paint_score(Score({}, ({"do": "dip", **words},)), document.surface.source)
+        painted(Score({}, ({"do": "dip", **words},)), document.surface.source)
 
 
 def test_what_a_score_says_of_an_ink_of_ones_own_is_its_spectrum(tmp_path) -> None:
@@ -384,7 +382,7 @@ def test_an_ink_of_ones_own_comes_back_as_it_was(tmp_path) -> None:
     """Scores refused inks when their grains came, for the schema did not know them."""
     document = small_plane()
     document.dip({OWN: 1.0, "water": 2.0})
-    again = paint_score(read_back(document.score, tmp_path), document.surface.source)
+    again = painted(read_back(document.score, tmp_path), document.surface.source)
     (ink,) = [pigment for pigment in again.surface.pigments if pigment.name == OWN.name]
     assert ink.is_like(OWN)
     assert (ink.chinese, ink.source, ink.basis, ink.licence) == (
@@ -439,12 +437,10 @@ def test_without_the_last_stroke_it_is_as_before_that(strokes, material) -> None
     document.follow_time(0.05)
     after = document.score
     shorter = Score(after.header, after.events[: len(before.events)])
-    same_bits(paint_score(shorter, mesh), paint_score(before, mesh))
+    same_bits(painted(shorter, mesh), painted(before, mesh))
     without = delete_stroke(after, len(strokes) + 1)
     assert without.events[-1] == {"do": "follow_time", "seconds": 0.05}
-    same_bits(
-        paint_score(Score(without.header, without.events[:-1]), mesh), paint_score(before, mesh)
-    )
+    same_bits(painted(Score(without.header, without.events[:-1]), mesh), painted(before, mesh))
 
 
 @settings(deadline=None, max_examples=examples(25))
@@ -456,8 +452,8 @@ def test_another_ink_lies_where_the_first_did_and_as_thick(strokes, number, hair
     header = {**score.header, **({"hairs": hairs} if hairs else {})}  # how many inks there are
     score = Score(header, (*both, *score.events))
     number = min(number, len(strokes))
-    one = paint_score(score, document.surface.source)
-    other = paint_score(change_ink(score, number, "cinnabar"), document.surface.source)
+    one = painted(score, document.surface.source)
+    other = painted(change_ink(score, number, "cinnabar"), document.surface.source)
     np.testing.assert_array_equal(
         other.surface.paint_mesh.vertices, one.surface.paint_mesh.vertices
     )
@@ -474,10 +470,10 @@ def test_another_ink_lies_where_the_first_did_and_as_thick(strokes, number, hair
 def test_another_brush_is_for_one_stroke_and_leaves_the_own_one_as_it_was() -> None:
     document = edited_sitting([((-15, y), (15, y), 0.5, None) for y in (-9, 0, 9)])
     mesh, score = document.surface.source, document.score
-    other = paint_score(change_brush(score, 2, "feibai"), mesh)
+    other = painted(change_brush(score, 2, "feibai"), mesh)
     assert [s.brush.name for s in other.strokes] == ["full", "feibai", "full"]
     assert other.painter.brush.name == "full"
-    without = paint_score(delete_stroke(score, 2), mesh)
+    without = painted(delete_stroke(score, 2), mesh)
     np.testing.assert_allclose(without.surface.ink.load, other.surface.ink.load, rtol=0.01)
     ledger = other.painter.ledger()
     assert ledger["loaded"] == pytest.approx(sum(ledger.values()) - ledger["loaded"])
@@ -658,7 +654,7 @@ def score() -> Score:
 
 @cache
 def first(of=score) -> Document:
-    return paint_score(of(), the_bowl())
+    return painted(of(), the_bowl())
 
 
 def over_the_rim(around: float, slant: float, n: int = 40) -> list:
@@ -719,7 +715,7 @@ def inked_of(surface: PaintedSurface) -> np.ndarray:
 
 
 def check_places(of, mesh: TriangleMesh, resolution: float) -> None:
-    one, other = inked(first(of)), inked(paint_score(of(), mesh, resolution))
+    one, other = inked(first(of)), inked(painted(of(), mesh, resolution))
     off = [cKDTree(b).query(a)[0] for a, b in ((one, other), (other, one))]
     for distances in off:
         print(f"median {np.median(distances):.3f} mm, worst {distances.max():.3f} mm")
@@ -770,7 +766,7 @@ def without_normals(mesh: TriangleMesh) -> TriangleMesh:
 
 def test_a_mesh_that_only_lost_its_normals_takes_them_over() -> None:
     """Its own are computed of the triangles, and lean otherwise on the rim."""
-    bare = paint_score(rim(), without_normals(the_bowl()))
+    bare = painted(rim(), without_normals(the_bowl()))
     same_vertices(bare.surface, first(rim).surface)
 
 
@@ -779,9 +775,9 @@ def test_a_file_that_is_called_like_a_built_in_object_is_none() -> None:
     own = decimated()
     own = TriangleMesh(own.vertices, own.faces, name="bowl")
     header = {**rim().header, "object": "another"}
-    document = paint_score(Score(header, rim().events), own)
+    document = painted(Score(header, rim().events), own)
     assert document.surface.original is None
-    again = paint_score(document.score, own)
+    again = painted(document.score, own)
     assert again.surface.original is None
     same_vertices(document.surface, again.surface)
     finer = begun(document.score, own, 0.4).surface.original  # its own mesh is what it was
@@ -802,16 +798,16 @@ def test_an_object_that_was_changed_stands_for_itself_there() -> None:
     vertices = the_bowl().vertices.copy()
     grown = vertices[:, 0] > 0.0
     vertices[grown, 0] *= 1.1
-    surface = paint_score(score(), TriangleMesh(vertices, the_bowl().faces)).surface
+    surface = painted(score(), TriangleMesh(vertices, the_bowl().faces)).surface
     assert surface.original is not None
     off = ClosestPoints(TriangleMesh(vertices, the_bowl().faces)).find(inked_of(surface)).points
     np.testing.assert_allclose(off, inked_of(surface), atol=0.01)
-    sphere = paint_score(score(), load_mesh("sphere"), 0.5).surface
+    sphere = painted(score(), load_mesh("sphere"), 0.5).surface
     assert sphere.original is None
 
 
 def test_a_session_and_its_score_know_what_was_painted_on(tmp_path) -> None:
-    document = paint_score(rim(), decimated(), 0.4)
+    document = painted(rim(), decimated(), 0.4)
     document.save(tmp_path / "a.p3d")
     again = Document.open(tmp_path / "a.p3d")
     of_bowl = {"object": "bowl", "mesh": digest_of(the_bowl()), "resolution_mm": 0.5}
@@ -826,7 +822,7 @@ def test_a_session_and_its_score_know_what_was_painted_on(tmp_path) -> None:
                 one, event["do"]
             )()
     same_vertices(document.surface, again.surface)
-    played = paint_score(document.score, decimated(), painted_on=the_bowl())
+    played = painted(document.score, decimated(), painted_on=the_bowl())
     same_vertices(document.surface, played.surface)
 
 
@@ -843,7 +839,7 @@ def test_a_mask_and_a_mirror_do_what_they_did() -> None:
         e for e in score().events
         if isinstance(e, Recording) or e["do"] not in ("set_mask", "set_symmetry")
     ))  # fmt: skip
-    without, of_all = inked(paint_score(plain, the_bowl())), inked(first())
+    without, of_all = inked(painted(plain, the_bowl())), inked(first())
     far = cKDTree(of_all).query(without)[0]
     assert (far > 2.0).sum() > 100
     assert (cKDTree(without).query(of_all)[0] > 2.0).sum() > 100
@@ -865,7 +861,7 @@ def test_the_command_is_told_what_it_was_painted_on(tmp_path, capsys) -> None:
     again = load_session(out)
     assert again.surface.original is not None
     jar, coarse = load_mesh(tmp_path / "jar.obj"), load_mesh(tmp_path / "coarse.obj")
-    same_vertices(again.surface, paint_score(load_score(file), coarse, painted_on=jar).surface)
+    same_vertices(again.surface, painted(load_score(file), coarse, painted_on=jar).surface)
     (tmp_path / "b.jsonl").write_text(PLAIN)
     words = ["replay", str(tmp_path / "b.jsonl"), "--on", "bowl", "--out", str(out), "--force"]
     assert main([*words, "--painted-on", "bowl"]) == 2

@@ -9,7 +9,7 @@ import paint3d
 from paint3d.app.model.commands import encode_command, replay_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.mask import AngleMask, Mask
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import InputError, LayerError
 from paint3d.recording.score import load_score, save_score
@@ -87,7 +87,7 @@ def test_a_score_repeats_it_to_the_bit(document: Document, tmp_path) -> None:
     document.press_seal(RINGS, HERE, UP, {"cinnabar": 2.0, "minium": 1.0}, coats=0.8, wear=2.0)
     assert document.score is not None
     save_score(document.score, tmp_path / "a.jsonl")
-    again = paint_score(load_score(tmp_path / "a.jsonl"), small_plane().surface.source)
+    again = painted(load_score(tmp_path / "a.jsonl"), small_plane().surface.source)
     np.testing.assert_array_equal(again.surface.srgb, document.surface.srgb)
 
 

@@ -21,7 +21,7 @@ from shapely import Polygon
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.laid_text import LaidText
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.calligraphy.glyph_sources import load_glyphs, open_glyphs
 from paint3d.calligraphy.seal.stone import cut_seal
 from paint3d.colour.spectra import encode_srgb
@@ -129,7 +129,7 @@ def painted_by_the_desktop(browser: Browser, tmp_path: Path) -> PaintedSurface:
     path = tmp_path / "page.score.jsonl"
     path.write_text(browser.evaluate("paint3d.score()"), "utf-8")
     score = load_score(path)
-    return paint_score(score, load_mesh(score.header["object"])).surface
+    return painted(score, load_mesh(score.header["object"])).surface
 
 
 def by_the_desktop(browser: Browser, tmp_path: Path) -> dict[str, Any]:
@@ -392,7 +392,7 @@ def test_a_text_lies_where_the_desktop_lays_it_and_a_planned_hand_fills_it(
     path.write_text(browser.evaluate("paint3d.score()"), "utf-8")
     score = load_score(path)
     mesh = load_mesh(score.header["object"])
-    document = paint_score(score, mesh)
+    document = painted(score, mesh)
     hashes = hashes_of(document.surface)
     assert found == {name: hashes[name] for name in ("vertices", "srgb", "amounts")}
     assert [(one.text, one.em_mm, one.turn) for one in document.texts] == [
@@ -659,7 +659,7 @@ def test_an_object_of_ones_own_is_painted_on_and_is_there_again(
     assert settled(browser) == found
     path = tmp_path / "pebble.score.jsonl"
     path.write_text(score, "utf-8")
-    surface = paint_score(load_score(path), load_mesh(file, up="y")).surface
+    surface = painted(load_score(path), load_mesh(file, up="y")).surface
     hashes = hashes_of(surface)
     assert found == {name: hashes[name] for name in ("vertices", "srgb", "amounts")}
     begin_with(browser, SHEET)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import paint3d
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.errors import ExportError, InputError
 from paint3d.page.single_file import bare_score, page_score
 from paint3d.recording.score import Score, write_score
@@ -39,7 +39,7 @@ def test_a_surface_is_edited_bare_or_as_a_session_of_its_strokes(
         bare_score(surface, "zhongkai", "pine soot")
     words = {"brush": "zhongkai", "ink": "pine soot"}
     score = page_score(paint3d.Session(surface, [stroke], words))
-    assert hashes_of(paint_score(score, surface.source).surface) == hashes_of(surface)
+    assert hashes_of(painted(score, surface.source).surface) == hashes_of(surface)
 
 
 class FakeComm:
@@ -92,7 +92,7 @@ def test_what_is_painted_in_a_cell_comes_back(surface: paint3d.PaintedSurface) -
     assert 0 < len(editor.recording) < len(one)
     comm.say("a", "append", "".join(lines[9:]))
     assert np.array_equal(editor.recording.position, one.position)  # the other was undone
-    assert hashes_of(editor.surface) == hashes_of(paint_score(whole, surface.source).surface)
+    assert hashes_of(editor.surface) == hashes_of(painted(whole, surface.source).surface)
     assert editor.surface is editor.surface
     assert not surface.painted.any()
     comm.say("b", "read")  # it is shown once more

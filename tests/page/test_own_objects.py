@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import MeshError
 from paint3d.files.load import read_mesh
@@ -377,7 +377,7 @@ def test_what_is_painted_on_it_is_what_the_desktop_paints(
     name: str, files: dict[str, Path], in_node: dict[str, Any]
 ) -> None:
     score = load_score(in_node["folder"] / f"{name}.score.jsonl")
-    surface = paint_score(score, loaded(name, files[name])[0]).surface
+    surface = painted(score, loaded(name, files[name])[0]).surface
     hashes = hashes_of(surface)
     found = in_node[f"{name}, painted"]
     assert surface.n_vertices > len(surface.source.vertices)

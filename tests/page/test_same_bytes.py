@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.brush.spec import DipAmount
 from paint3d.calligraphy.seal.stone import cut_seal
 from paint3d.device.recorded import Recording
@@ -420,7 +420,7 @@ def test_a_recording_gives_the_same_bytes_in_the_page(
 def test_a_whole_painting_gives_the_same_bytes_in_the_page(
     name: str, in_node: dict[str, dict[str, Any]], scores: dict[str, Path]
 ) -> None:
-    surface = paint_score(load_score(scores[name]), load_mesh("square")).surface
+    surface = painted(load_score(scores[name]), load_mesh("square")).surface
     hashes, found = hashes_of(surface), in_node[name]
     assert {key: found[key] for key in hashes} == hashes
 

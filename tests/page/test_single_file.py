@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.cli.main import main
 from paint3d.errors import InputError
 from paint3d.files.load import load_mesh
@@ -50,7 +50,7 @@ def session_of(*events: Any, **changes: Any) -> Session:
     """A painting of these events, with its score, as the studio saves it."""
     mesh = load_mesh("square")
     score = Score({**HEAD, **changes}, events)
-    return Session(paint_score(score, mesh).surface, score=score)
+    return Session(painted(score, mesh).surface, score=score)
 
 
 def drawn(y: float, **words: Any) -> list[Any]:
@@ -75,7 +75,7 @@ def test_a_page_is_given_words_that_it_plays_and_they_give_the_same_painting(
     assert {"do": "rename_layer", "place": 1, "name": "seal"} in lines
     assert {"do": "begin_stroke"} in lines
     assert "set_tags" not in {line["do"] for line in lines}
-    again = paint_score(score, load_mesh("square")).surface
+    again = painted(score, load_mesh("square")).surface
     assert hashes_of(again) == hashes_of(painting.surface)
 
 
@@ -131,7 +131,7 @@ def test_what_the_command_line_painted_whole_is_carried(written: Session) -> Non
     assert amount["wetted"] < 0.5
     score = page_score(written)
     assert score.events[0] == {"do": "dip", "ink": score.header["ink"], "amount": amount}
-    again = paint_score(score, load_mesh("square")).surface
+    again = painted(score, load_mesh("square")).surface
     assert hashes_of(again) == hashes_of(written.surface)
     named = replace(written, settings={**written.settings, "brush": score.header["brush"]})
     assert page_score(named).header == score.header
@@ -234,7 +234,7 @@ def on_the_desktop(browser: Browser, path: Path) -> dict[str, Any]:
     """What the page's recording paints on the desktop, of what the page says of its own."""
     path.write_text(browser.evaluate("paint3d.score()"), "utf-8")
     score = load_score(path)
-    hashes = hashes_of(paint_score(score, load_mesh(score.header["object"])).surface)
+    hashes = hashes_of(painted(score, load_mesh(score.header["object"])).surface)
     return {name: hashes[name] for name in SHOWN}
 
 
@@ -289,7 +289,7 @@ def stands_in_a_cell(browser: Browser, tmp_path: Path) -> None:
     path.write_text(browser.evaluate("said"), "utf-8")
     told = load_score(path)
     assert len(told.strokes()) == 2
-    hashes = hashes_of(paint_score(told, surface.source).surface)
+    hashes = hashes_of(painted(told, surface.source).surface)
     assert found == {name: hashes[name] for name in SHOWN}
     browser.evaluate("hear({ paint3d: 'heard', strokes: 5 }); hear({ paint3d: 'kept', view: '' })")
     left = "This painting goes on where it was shown last."

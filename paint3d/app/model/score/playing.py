@@ -28,7 +28,7 @@ from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["PlaybackStep", "begun", "paint_score", "play", "score_of_strokes"]
+__all__ = ["PlaybackStep", "begun", "painted", "play", "score_of_strokes"]
 
 _RESOLUTION_MM = 0.4
 _log = logging.getLogger("paint3d.score")
@@ -109,7 +109,7 @@ def _original(
     return None
 
 
-def paint_score(
+def painted(
     score: Score,
     mesh: TriangleMesh,
     resolution: float | None = None,

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from paint3d.app.model.copybook import Ghost
-from paint3d.app.model.score.playing import paint_score
+from paint3d.app.model.score.playing import painted
 from paint3d.app.model.studies.plan import NEITHER, Answer, StudyPlan, Trial, load_answers
 from paint3d.brush.presets import load_brush
 from paint3d.calligraphy.glyph_sources import GlyphSource, open_glyphs
@@ -323,7 +323,7 @@ def measure(
 def _paint_whole(file: Path, on: str | None) -> tuple[PaintedSurface, list[Recording]]:
     """Paint a whole painting; return its surface, and its strokes in one clock."""
     score = load_score(file)
-    document = paint_score(score, load_mesh(on or str(score.header.get("object", ""))))
+    document = painted(score, load_mesh(on or str(score.header.get("object", ""))))
     strokes = [stroke.recording(stroke.brush.name) for stroke in document.strokes]
     clock, moved = HandTime(in_full=True), []
     for stroke in strokes:  # of clocks that began anew a short rest is thought to lie between

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from paint3d.app.model.frame import Snapshot
 from paint3d.app.model.pad_in_view import lay_in_view
-from paint3d.app.model.score.playing import begun, paint_score, score_of_strokes
+from paint3d.app.model.score.playing import begun, painted, score_of_strokes
 from paint3d.app.model.score.stepping import Cue, cues_of
 from paint3d.app.window.files.file_dialogs import ask_file
 from paint3d.app.window.files.open_result import OpenResult, open_with_progress
@@ -194,7 +194,7 @@ class Recordings:
             score = load_score(path, part_of(progress, 0.0, 0.1))
             cues: list[Cue] = []
             if speed is None:
-                document = paint_score(score, mesh, progress=part_of(progress, 0.1, 0.9))
+                document = painted(score, mesh, progress=part_of(progress, 0.1, 0.9))
             else:
                 document = begun(score, mesh)
                 cues = list(cues_of(score, document.surface))
