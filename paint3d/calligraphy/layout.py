@@ -137,7 +137,7 @@ LAYOUTS = ("columns", "row")
 LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 """Range of sizes of text, mm."""
 
-_TOUCHING = 0.004  # of the em: squares that fraction this much do not overlap
+_TOUCHING = 0.004  # of the em: squares that share this much do not overlap
 _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
 _FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text

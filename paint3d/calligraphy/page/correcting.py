@@ -294,9 +294,8 @@ def _part_region(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon
     if not len(before) or not len(after):
         before, after = np.array([0.5 * cut]), np.array([1.5 * cut])
     points_along = np.round(points_at(median, np.concatenate([before, after])) / _GRID) * _GRID
-    _, first = np.unique(
-        points_along, axis=0, return_index=True
-    )  # of a line that comes back on itself
+    # a line that comes back on itself has some points twice
+    _, first = np.unique(points_along, axis=0, return_index=True)
     distinct = np.sort(first)
     points = shapely.points(points_along[distinct])
     cells = shapely.get_parts(

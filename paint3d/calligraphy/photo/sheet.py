@@ -161,11 +161,11 @@ def straighten(
 _SEARCHED, _DRAWN = 320, 1400  # pixels of the longer side: where it is looked for, and drawn
 _THRESHOLDS = 24
 _LEAST, _MOST = 0.06, 0.985  # of the picture
-_FOUR_SIDED = 0.93  # of an area and its quadrilateral that they fraction
+_FOUR_SIDED = 0.93  # of an area and its quadrilateral that they share
 _STATIONS = 48  # along a side
 _OUT = 0.012  # of the picture: how far inside and outside a side colours are compared
 _AS_LARGE = 0.4  # of the area of the sheet that stands out most: another one
-_OVERLAP = 0.1  # of the smaller one's area, that two sheets may fraction
+_OVERLAP = 0.1  # of the smaller one's area, that two sheets may share
 _WEAKEST = 0.5  # of contrast along the weakest side over what the planes vary by themselves
 _LEFT_OUT = 0.06  # of a side at either end, where corners are round
 _ROUNDS = ((0.03, 6), (0.008, 6))  # of the picture to either side, and how often

@@ -33,10 +33,8 @@ __all__ = [
     "with_stubs",
 ]
 
-_LEFT_OUT, _LEFT_OUT_FRACTION = (
-    0.9,
-    0.35,
-)  # radii and fraction of a branch: straight through a junction
+# radii of a junction, and fraction of a branch, that a line goes straight over
+_LEFT_OUT, _LEFT_OUT_FRACTION = 0.9, 0.35
 _CALM = 0.35  # half widths that lines are smoothed over
 _STEP = 0.25  # half widths between the points of a line
 _LEAST_CALM = 0.02

@@ -120,12 +120,11 @@ def _read_uv(
     listed = faces[0].list_sizes.get("texcoord") if faces else None
     if listed is not None:
         own = np.repeat(sizes[: len(listed)], sizes[: len(listed)])
-        has_places = (
-            np.repeat(listed, sizes[: len(listed)]) == 2 * own
-        )  # others have none, or too few
+        # others have none, or too few
+        has_uv = np.repeat(listed, sizes[: len(listed)]) == 2 * own
         values = faces[0].values["texcoord"].astype(np.float64)
         whole = np.repeat(listed == 2 * sizes[: len(listed)], listed)
-        uv[: len(has_places)][has_places] = values[whole].reshape(-1, 2)
+        uv[: len(has_uv)][has_uv] = values[whole].reshape(-1, 2)
     elif pair is not None:
         table = np.stack([vertex.values[name] for name in pair], axis=1).astype(np.float64)
         uv = table[np.clip(corners, 0, len(table) - 1)]

@@ -194,10 +194,8 @@ _MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outlin
 _HALVINGS = 7  # of the angle between two rays, to find an edge between them
 _LEAST_SHRINKING = 0.6  # of a way: a part that stays greater is an edge's
 _FILTER_S = 0.03  # over which the pointer's speed is taken
-_SURE_DIRECTION, _LEAST_DIRECTION = (
-    0.3,
-    0.15,
-)  # of the trail: a way that shows a stroke's direction, if need be
+# of the trail: a path so long shows a stroke's direction, and the shorter one if need be
+_SURE_DIRECTION, _LEAST_DIRECTION = 0.3, 0.15
 _STANDS_NS = 150_000_000  # after which a brush that does not move comes down as it is
 _LEANS = math.sin(math.radians(5.0))  # a pen that leans more has its tip on the other side
 _UNDER = 0.07  # of the tuft's length: half a footprint, about
