@@ -624,7 +624,7 @@ def replay_command(document: Any, line: Mapping[str, Any]) -> None:
     getattr(document, name)(*arguments, **options)
 
 
-# Journals of before commands were lines gave arguments by position, and objects by their class.
+# Older journals, from before commands were lines, give arguments by position, and objects by class.
 _KINDS: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (BrushSpec, BristleSpec, Pigment, Symmetry, MirrorPlane, RadialSymmetry, Mask,
