@@ -204,7 +204,7 @@ class Painter(StrokePainter):
         """
         from paint3d.calligraphy.glyph_sources import open_glyphs
         from paint3d.calligraphy.photo.copying import Asked, check_widths, copy_sheet
-        from paint3d.calligraphy.photo.rehearsal import rehearsed
+        from paint3d.calligraphy.photo.rehearsal import rehearse
         from paint3d.files.photographs import load_photograph
 
         path, surface = Path(photo), self.surface
@@ -230,7 +230,7 @@ class Painter(StrokePainter):
                 trial.replay(_inked(plan, fresh))
                 return fresh
 
-            return rehearsed(written, on_trial, surface.material, rehearsals, sheet)
+            return rehearse(written, on_trial, surface.material, rehearsals, sheet)
 
         plan = partial(write_page, composer=sheet.page)
         layout = Layout(at=at, side=side)
@@ -289,15 +289,14 @@ class Painter(StrokePainter):
         InputError, MeshError
             If it cannot be cut, or there is no place for it.
         """
-        from paint3d.calligraphy.layout import places_for
-        from paint3d.calligraphy.seal.impression import Pressing, find_impression
-        from paint3d.calligraphy.seal.paste import lay_paste
+        from paint3d.calligraphy.layout import frames_for
+        from paint3d.calligraphy.seal.impression import Pressing, find_impression, lay_paste
         from paint3d.calligraphy.seal.stone import cut_seal
         from paint3d.mesh.chart import frame_at
 
         stone = cut_seal(text, svg, style, size, shape=shape, font=font)
         closest, angle = self.surface.closest_points, math.radians(rotate)
-        frames = places_for(closest, at, side)
+        frames = frames_for(closest, at, side)
         pressing = Pressing(coats=coats, wear=wear, seed=seed)
         fault: Paint3DError | None = None
         for _, frame in zip(range(_MOST_PLACES), frames, strict=False):

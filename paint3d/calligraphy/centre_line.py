@@ -44,7 +44,7 @@ class OutlineField:
     grid : (3,) float64
         x and y of the first point, and the step; mm.
     scale : float
-        How much larger it is looked at where room is measured, so that nothing is leapt over.
+        Magnification at which clearance is measured, so that nothing is leapt over.
     """
 
     distance: NDArray[np.float64]
@@ -63,7 +63,9 @@ class OutlineField:
         result: NDArray[np.float64] = self.distance[row, column]
         return result
 
-    def room(self, points: AnyArray, directions: AnyArray, limit: float) -> NDArray[np.float64]:
+    def clearance(
+        self, points: AnyArray, directions: AnyArray, limit: float
+    ) -> NDArray[np.float64]:
         """Distance (mm) from `points` (N, 2) to the outline along unit `directions` (N, 2)."""
         out = np.empty(len(points))
         scale = self.scale
@@ -88,7 +90,7 @@ class CentreLine:
         mm.
     headings : (S,) float64
         Direction of travel, rad, without jumps of a turn.
-    room : (S, 2) float64
+    clearance : (S, 2) float64
         Distance to the outline on the left and on the right, mm; at most 1.5 widths.
     width : float
         Median width of the stroke, mm.
@@ -98,7 +100,7 @@ class CentreLine:
 
     points: NDArray[np.float64]
     headings: NDArray[np.float64]
-    room: NDArray[np.float64]
+    clearance: NDArray[np.float64]
     width: float
     step: float
 
@@ -159,7 +161,7 @@ def centre_line(median: AnyArray, field: OutlineField, step: float) -> CentreLin
     points = resample(median, step, 5)
     headings = _headings(points)
     width = np.median(
-        _measure_room(points, headings, field, 2.0 * field.distance.max()).sum(axis=1)
+        _measure_clearance(points, headings, field, 2.0 * field.distance.max()).sum(axis=1)
     )
     if width <= 0.0:
         raise InputError("most of the median lies outside the outline; expected it within")
@@ -168,9 +170,9 @@ def centre_line(median: AnyArray, field: OutlineField, step: float) -> CentreLin
     points = resample(_extend_to_outline(points, field, width), step, 5)
     for _ in range(2):
         headings = _headings(points)
-        room = _measure_room(points, headings, field, width)
-        inner = np.minimum(room.min(axis=1), 0.3 * width)
-        move = np.clip(0.5 * (room[:, 0] - room[:, 1]), -inner, inner)
+        clearance = _measure_clearance(points, headings, field, width)
+        inner = np.minimum(clearance.min(axis=1), 0.3 * width)
+        move = np.clip(0.5 * (clearance[:, 0] - clearance[:, 1]), -inner, inner)
         moved = points + move[:, None] * _normals(headings)
         points = resample(smooth_along(moved, sigma), step, 5)
     step = float(np.linalg.norm(np.diff(points, axis=0), axis=1).mean())
@@ -199,26 +201,28 @@ def _normals(headings: AnyArray) -> NDArray[np.float64]:
     return np.stack([-np.sin(headings), np.cos(headings)], axis=1)
 
 
-def _measure_room(
+def _measure_clearance(
     points: AnyArray, headings: AnyArray, field: OutlineField, limit: float
 ) -> AnyArray:
     left = _normals(headings)
-    sides = [field.room(points, way, limit) for way in (left, -left)]
+    sides = [field.clearance(points, direction, limit) for direction in (left, -left)]
     return np.stack(sides, axis=1)
 
 
 def measure_line(points: AnyArray, width: float, step: float, field: OutlineField) -> CentreLine:
-    """A line of samples (S, 2) about a step apart with its headings and its room."""
+    """A line of samples (S, 2) about a step apart with its headings and its clearance."""
     headings = _headings(points)
     return CentreLine(
-        points, headings, _measure_room(points, headings, field, 1.5 * width), width, step
+        points, headings, _measure_clearance(points, headings, field, 1.5 * width), width, step
     )
 
 
 def _extend_to_outline(points: AnyArray, field: OutlineField, width: float) -> NDArray[np.float64]:
     """Go on straight from both ends until the outline is reached."""
     k = min(len(points) - 1, 6)
-    ways = np.stack([points[0] - points[k], points[-1] - points[-1 - k]])
-    ways /= np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-12)
-    ends = points[[0, -1]] + field.room(points[[0, -1]], ways, width)[:, None] * ways
+    directions = np.stack([points[0] - points[k], points[-1] - points[-1 - k]])
+    directions /= np.maximum(np.linalg.norm(directions, axis=1, keepdims=True), 1e-12)
+    ends = (
+        points[[0, -1]] + field.clearance(points[[0, -1]], directions, width)[:, None] * directions
+    )
     return np.concatenate([ends[:1], points, ends[1:]])

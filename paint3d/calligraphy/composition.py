@@ -61,7 +61,7 @@ _SIGNED_BETWEEN, _TO_SEAL, _SEAL = 0.0, 0.4, 0.85  # of a signature's characters
 _IN_MARGIN = 0.6  # of a couplet's margin: what a signature's column may take of it
 _SIGNED_LENGTH = 0.85  # of the text's columns, at most
 _LEAST_BELOW, _BELOW = 0.19, 0.35  # ems: a signature below the last column; from that to it
-_LEAST_SIGNATURE_MM, _LEAST_SHARE = 4.0, 0.1
+_LEAST_SIGNATURE_MM, _LEAST_FRACTION = 4.0, 0.1
 _LEAST_SEAL_MM = 4.0
 _ALONE_COLUMN, _ALONE_AWAY, _LEAST_ALONE = 1.4, 0.4, 0.6  # of a seal alone: its column; from the
 # text's ink; how much of it stays where there is no place for it within the margin
@@ -74,7 +74,7 @@ _HALVINGS = 30
 
 @dataclass(frozen=True)
 class Composition:
-    """How a text stands on a sheet.
+    """A text's columns or rows on a sheet: their size, spacing and position.
 
     Attributes
     ----------
@@ -85,7 +85,7 @@ class Composition:
     gap, between : float
         As `Layout` has them, ems.
     point : (float, float, float) or None
-        Where its middle is, mm; None: in the middle of the panels.
+        Its middle, mm; None: in the middle of the panels.
     """
 
     lines: tuple[str, ...]
@@ -140,8 +140,8 @@ def compose(
         (_BETWEEN, _MOST_BETWEEN) if between is None else (between, between),
     )
     composed = _on_panels if sheet.usual.panels > 1 else _best
-    found = composed(asked, verses)
-    if found.em_mm < _LEAST_MM:
+    composition = composed(asked, verses)
+    if composition.em_mm < _LEAST_MM:
         n = len("".join(verses))
         fits = bisect_left(
             range(1, n), True, key=lambda k: composed(asked, ["一" * k]).em_mm < _LEAST_MM
@@ -151,11 +151,11 @@ def compose(
             "mm; expected at most {fits} characters, or a larger sheet",
             n=n,
             sheet=sheet.name,
-            em=found.em_mm,
+            em=composition.em_mm,
             least=_LEAST_MM,
             fits=fits,
         )
-    return found
+    return composition
 
 
 def place_on(sheet: Sheet, point: Sequence[float]) -> tuple[float, float]:
@@ -166,7 +166,7 @@ def place_on(sheet: Sheet, point: Sequence[float]) -> tuple[float, float]:
 
 
 def stands_in_squares(text: str) -> bool:
-    """Whether all letters of a text, marks apart, are those that are written in squares.
+    """Return whether all letters of a text, punctuation apart, are written in squares.
 
     Raises
     ------
@@ -178,12 +178,9 @@ def stands_in_squares(text: str) -> bool:
 
 
 def _verses_of(text: str) -> list[str]:
-    return split_text("".join("\n" if _is_mark(one) else one for one in text))
-
-
-def _is_mark(character: str) -> bool:
-    """Whether it is punctuation, which calligraphers do not write: it ends a verse."""
-    return unicodedata.category(character)[0] == "P"
+    # punctuation, which calligraphers do not write, ends a verse
+    marks = {one for one in text if unicodedata.category(one)[0] == "P"}
+    return split_text("".join("\n" if one in marks else one for one in text))
 
 
 @dataclass(frozen=True)
@@ -204,22 +201,22 @@ class _Asked:
 
 
 def _best(asked: _Asked, verses: Sequence[str]) -> Composition:
-    ways = list(_ways_to_break(verses))
+    broken = list(_ways_to_break(verses))
     if asked.columns and asked.sheet.usual.shape == "sector":
-        ways = [(lines, preference * _on_ribs(lines)) for lines, preference in ways]
-        ways += _alternating_columns("".join(verses), asked.sheet)
-    found = [(preference, *_fitted(asked, lines)) for lines, preference in ways]
-    return max(found, key=lambda one: one[0] * one[1])[2]
+        broken = [(lines, preference * _on_ribs(lines)) for lines, preference in broken]
+        broken += _alternating_columns("".join(verses), asked.sheet)
+    rated = [(preference, *_fit_lines(asked, lines)) for lines, preference in broken]
+    return max(rated, key=lambda one: one[0] * one[1])[2]
 
 
 def _on_ribs(lines: Sequence[str]) -> float:
-    """How well columns of one length are liked on a folding fan."""
+    """The preference for columns of one length on a folding fan, 0 to 1."""
     few = sum(map(len, lines)) < _IN_TURN_FROM
     return 1.0 if few or max(map(len, lines)) == 1 else _EVEN_ON_FAN
 
 
 def _alternating_columns(text: str, sheet: Sheet) -> Iterator[tuple[list[str], float]]:
-    """A text in long and short columns by turns; and how well that is liked."""
+    """Yield a text in long and short columns by turns, with the preference for it."""
     fan = fan_of(sheet)
     most = int(2.0 * fan.half_opening * fan.outer / _LEAST_MM)  # columns
     longest = min(len(text) // 2 - 1, int(sheet.height_mm / _LEAST_MM))
@@ -253,7 +250,7 @@ def _on_panels(asked: _Asked, verses: list[str]) -> Composition:
 
 
 def _ways_to_break(verses: Sequence[str]) -> Iterator[tuple[list[str], float]]:
-    """The verses in columns, so many in each, or parted; and how well that is liked."""
+    """Yield the verses broken into columns, with the preference for each way."""
     for n in range(1, len(verses) + 1):
         yield ["".join(verses[k : k + n]) for k in range(0, len(verses), n)], 1.0
     whole = "".join(verses)
@@ -261,8 +258,8 @@ def _ways_to_break(verses: Sequence[str]) -> Iterator[tuple[list[str], float]]:
         yield [whole[k : k + rows] for k in range(0, len(whole), rows)], _PARTED
 
 
-def _fitted(asked: _Asked, lines: list[str]) -> tuple[float, Composition]:
-    """The composition of lines, and how good it is."""
+def _fit_lines(asked: _Asked, lines: list[str]) -> tuple[float, Composition]:
+    """Fit lines to a sheet; their score and composition."""
     n, longest = len(lines), max(map(len, lines))
     shape = asked.sheet.usual.shape
     fit = {"sector": _on_fan, "disc": _on_disc}.get(shape, _on_rectangle)
@@ -286,7 +283,7 @@ class _Fit(NamedTuple):
 
 def _signature_mm(em: float, whole: float, length: float) -> float:
     """The size of a signature, `whole` of its characters long, beside a text of a length, mm."""
-    return min(_SIGNATURE * em, max(_SIGNED_LENGTH * length / whole, _LEAST_SHARE * em))
+    return min(_SIGNATURE * em, max(_SIGNED_LENGTH * length / whole, _LEAST_FRACTION * em))
 
 
 def _below_mm(em: float, whole: float, blank: float) -> float | None:
@@ -327,7 +324,7 @@ def _on_rectangle(asked: _Asked, lines: list[str]) -> _Fit:
     while best is None or em > best.worth:
         bare = [-0.5 * _BARE * em if in_halves else min(_BARE * em, edge) for edge in margins]
         long = along + 2.0 * bare[1]
-        spaced = partial(_spaced, asked, lines, em, (across + 2.0 * bare[0], long))
+        spaced = partial(_space_lines, asked, lines, em, (across + 2.0 * bare[0], long))
         wide, gap, between = spaced(0.0)
         signature = 0.0
         blank = (rows - len(lines[-1])) * em * (1.0 + between)
@@ -352,16 +349,16 @@ def _on_rectangle(asked: _Asked, lines: list[str]) -> _Fit:
     return best
 
 
-def _spaced(
-    asked: _Asked, lines: list[str], em: float, room: tuple[float, float], signature: float
+def _space_lines(
+    asked: _Asked, lines: list[str], em: float, space: tuple[float, float], signature: float
 ) -> tuple[float, float, float]:
     """The width left beside a signature's column, mm, and the gaps between columns and in one."""
     least, most = asked.between
     n, rows = len(lines), max(map(len, lines))
-    wide = room[0] - signature
+    wide = space[0] - signature
     gap = _spread(wide, em, n, *asked.gap)
     closest = most if least == most or n == 1 else max(least, min(most, _CLOSER * gap))
-    return wide, gap, _spread(room[1], em, rows, least, closest)
+    return wide, gap, _spread(space[1], em, rows, least, closest)
 
 
 def _on_disc(asked: _Asked, lines: list[str]) -> _Fit:
@@ -429,7 +426,7 @@ def _on_fan(asked: _Asked, lines: list[str]) -> _Fit:
 
 @dataclass(frozen=True)
 class Signing:
-    """Where a signature stands beside a text, and the seal below it.
+    """A signature beside a text, and the seal below it: their sizes and positions.
 
     Attributes
     ----------
@@ -460,16 +457,16 @@ def lines_of(squares: Sequence[EmSquare], order: str = "columns") -> list[list[E
     lines = [[squares[0]]]
     for before, square in pairwise(squares):
         frame = before.chart.frame
-        way = square.chart.frame.origin - frame.origin
+        step = square.chart.frame.origin - frame.origin
         onward = -frame.y_axis if order == "columns" else frame.x_axis
-        if way @ onward < 0.5 * np.linalg.norm(way):
+        if step @ onward < 0.5 * np.linalg.norm(step):
             lines.append([])
         lines[-1].append(square)
     return lines
 
 
 class _Paper:
-    """A sheet's paper, of which one asks how far it goes."""
+    """A sheet's paper, for measuring how far it extends."""
 
     def __init__(self, mesh: TriangleMesh) -> None:
         areas = () if sheet_of(mesh) is None else writing_areas(mesh, False)
@@ -477,32 +474,32 @@ class _Paper:
         self._panels = [ClosestPoints(area.mesh) for area in areas]
 
     def beside(
-        self, place: AnyArray, away: float, aside: AnyArray, onward: AnyArray
+        self, point: AnyArray, away: float, aside: AnyArray, onward: AnyArray
     ) -> tuple[AnyArray, AnyArray]:
-        """The place so far (mm) aside of one (3,), and which way is onward there.
+        """The point so far (mm) aside of one (3,), and the direction onward there.
 
         On a folding fan that is to where its ribs meet.
         """
         if self._apex is None:
-            return place + away * aside, onward
-        rib = place - self._apex
+            return point + away * aside, onward
+        rib = point - self._apex
         turn = away / float(np.linalg.norm(rib))
         turned = math.cos(turn) * rib + math.sin(turn) * float(np.linalg.norm(rib)) * aside
         return self._apex + turned, -turned / float(np.linalg.norm(turned))
 
-    def splay(self, place: AnyArray, onward_mm: float) -> float:
-        """How much nearer the ribs of a folding fan are at a length onward of a place (3,)."""
+    def splay(self, point: AnyArray, onward_mm: float) -> float:
+        """The factor by which a folding fan's ribs are closer so far (mm) onward of a point."""
         if self._apex is None:
             return 1.0
-        rib = float(np.linalg.norm(place - self._apex))
+        rib = float(np.linalg.norm(point - self._apex))
         return rib / max(rib - onward_mm, 0.25 * rib)
 
-    def room(self, place: AnyArray, way: AnyArray) -> float:
-        """How far (mm) one can go from a place (3,) in a direction; endless on other objects."""
+    def free_length(self, start: AnyArray, direction: AnyArray) -> float:
+        """The length (mm) of paper from a point (3,) in a direction; endless on other objects."""
         if not self._panels:
             return math.inf
         steps = np.arange(0.0, _FARTHEST_MM, _STEP_MM)
-        points = place + np.outer(steps, way)
+        points = start + np.outer(steps, direction)
         off = np.min(
             [np.linalg.norm(panel.find(points).points - points, axis=1) for panel in self._panels],
             axis=0,
@@ -513,7 +510,7 @@ class _Paper:
 def sign_beside(
     mesh: TriangleMesh, squares: Sequence[EmSquare], n: int, order: str = "columns"
 ) -> Signing:
-    """Find where a signature stands beside a text.
+    """Place a signature beside a text.
 
     Parameters
     ----------
@@ -556,7 +553,7 @@ def sign_beside(
         end = min(lowest, max(start + whole * size, 0.7 * end))
     else:
         inked = (0.5 - _BARE) * em
-        free = paper.room(first.origin + inked * aside, aside)
+        free = paper.free_length(first.origin + inked * aside, aside)
         within = free - (0.0 if sheet is None else sheet.margin_mm) + (_BARE * size if n else 0.0)
         size = min(size, free / 1.5)
         if n == 0:
@@ -567,7 +564,9 @@ def sign_beside(
             away = inked + 0.5 * wide + min(apart, beside)
             away *= paper.splay(first.origin, end)
             at, down = paper.beside(first.origin, away, aside, onward)
-            above, under = (paper.room(at, way) - 0.4 * size for way in (-down, down))
+            above, under = (
+                paper.free_length(at, direction) - 0.4 * size for direction in (-down, down)
+            )
             if whole * size <= above + under:
                 break
             size = 0.98 * (above + under) / whole
@@ -585,11 +584,11 @@ def sign_beside(
 
 
 def seal_below(signature: Sequence[EmSquare]) -> Signing:
-    """A signature as it lies, and where its seal stands below it."""
+    """Place a signature's seal below it."""
     last = signature[-1]
     frame, size = last.chart.frame, last.em_mm
     seal = max(_SEAL * size, _LEAST_SEAL_MM)
     below = (0.5 + _TO_SEAL) * size + 0.5 * seal
     middle = np.mean([square.chart.frame.origin for square in signature], axis=0)
-    place = frame.origin - below * frame.y_axis
-    return Signing(size, _SIGNED_BETWEEN, middle, seal, place, frame.y_axis)
+    point = frame.origin - below * frame.y_axis
+    return Signing(size, _SIGNED_BETWEEN, middle, seal, point, frame.y_axis)

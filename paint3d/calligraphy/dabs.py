@@ -31,7 +31,7 @@ _RIM = 4  # pixels around all
 _THICK = 2.0  # pixels: half of what a patch measures across at the least, to be seen
 _OVERLAP = 10  # pixels that a dab goes on over what is painted
 _ROUNDS = 3  # what is left of a patch by a dab along it is a patch again
-_WORTH = 0.2  # share of a patch that a dab has to cover
+_WORTH = 0.2  # fraction of a patch that a dab has to cover
 _MOST = 400  # dabs
 _STATIONS = 9
 _LOAD = 0.12  # of the em square: the area that a load fills evenly
@@ -65,7 +65,7 @@ def dabs_in(
     painted = np.zeros_like(wanted)
     for path in paths:
         _covered_mask(path, footprints, grid, painted)
-    found: list[StrokePath] = []
+    all_dabs: list[StrokePath] = []
     tried = np.zeros_like(wanted)
     for _ in range(_ROUNDS):
         dabs = []
@@ -79,10 +79,10 @@ def dabs_in(
             if (patch & painted).sum() - before < _WORTH * patch.sum():
                 tried |= patch
             dabs.append(dab)
-        found += dabs
-        if not dabs or len(found) > _MOST:
+        all_dabs += dabs
+        if not dabs or len(all_dabs) > _MOST:
             break
-    return _order_by_nearness(found[:_MOST], paths[-1].centre[-1])
+    return _order_by_nearness(all_dabs[:_MOST], paths[-1].centre[-1])
 
 
 def loads_of(
@@ -95,9 +95,9 @@ def loads_of(
     loads: list[list[StrokePath]] = []
     filled = math.inf
     for path in paths:
-        way = np.linalg.norm(np.diff(path.centre, axis=0), axis=1)
+        lengths = np.linalg.norm(np.diff(path.centre, axis=0), axis=1)
         width = footprints.width_at(0.5 * (path.level[1:] + path.level[:-1]))
-        own = float(way @ width) / em_mm**2
+        own = float(lengths @ width) / em_mm**2
         if filled + own > _LOAD:
             loads.append([])
             filled = 0.0
@@ -109,7 +109,7 @@ def loads_of(
 def _ink_mask(
     shapes: Sequence[Shape], grid: NDArray[np.float64], size: tuple[int, int]
 ) -> NDArray[np.bool_]:
-    """Mask (H, W) of all shapes, at the grid's points."""
+    """Mask (H, W) of all shapes, sampled at the grid's points."""
 
     def filled(ring: AnyArray) -> NDArray[np.bool_]:
         mask = np.zeros(size, np.bool_)
@@ -136,7 +136,7 @@ def _covered_mask(
 def _patches(
     wanted: NDArray[np.bool_], painted: NDArray[np.bool_], grid: NDArray[np.float64]
 ) -> Iterator[tuple[NDArray[np.bool_], OutlineField]]:
-    """Patches (H, W) that are bare, and where a dab may go for each."""
+    """Yield the bare patches (H, W), each with the distance field of the area open to a dab."""
     bare = wanted & ~painted
     core = distance_transform_edt(bare) >= _THICK
     thick = bare & (distance_transform_edt(~core) < _THICK)
@@ -149,8 +149,8 @@ def _patches(
         )
         patch = np.zeros_like(wanted)
         patch[box] = labels[box] == number
-        room = wanted[box] & binary_dilation(patch[box], iterations=_OVERLAP)
-        distance = distance_transform_edt(room) - distance_transform_edt(~room)
+        free = wanted[box] & binary_dilation(patch[box], iterations=_OVERLAP)
+        distance = distance_transform_edt(free) - distance_transform_edt(~free)
         corner = grid[:2] + grid[2] * np.array([box[1].start, box[0].start])
         yield patch, OutlineField(grid[2] * distance, np.array([*corner, grid[2]]))
 
@@ -171,12 +171,12 @@ def _dab(
 
 
 def _line_of(field: OutlineField, step: float) -> CentreLine:
-    """The line through the middles of a patch's sections across its longest way."""
+    """The line through the middles of a patch's sections across its principal axis."""
     rows, columns = np.nonzero(field.inside)
     points = field.grid[:2] + field.grid[2] * np.stack([columns, rows], axis=1)
     middle = points.mean(axis=0)
-    way = np.linalg.eigh(np.cov((points - middle).T))[1][:, -1]
-    along = (points - middle) @ way
+    direction = np.linalg.eigh(np.cov((points - middle).T))[1][:, -1]
+    along = (points - middle) @ direction
     ends = np.linspace(along.min(), along.max(), _STATIONS + 1)
     station = np.clip(np.searchsorted(ends, along, "right") - 1, 0, _STATIONS - 1)
     middles = [points[station == k].mean(axis=0) for k in range(_STATIONS) if (station == k).any()]
@@ -184,7 +184,7 @@ def _line_of(field: OutlineField, step: float) -> CentreLine:
 
 
 def _order_by_nearness(paths: list[StrokePath], at: AnyArray) -> list[StrokePath]:
-    """Paths in the order in which each begins nearest to where the one before ends."""
+    """Order paths greedily: each begins nearest to where the one before ends."""
     left, order = list(paths), []
     while left:
         apart = [float(np.linalg.norm(path.centre[0] - at)) for path in left]

@@ -41,7 +41,7 @@ _MOST_TAKEN = _LASTS * (1.0 + 1e-9)  # sums of the same numbers differ in their 
 _CHARACTERS = 4.0  # of a middle size that a dip is for
 _NEW_COLUMN = 1.6  # times the usual step from character to character: there the column ends
 _ROOM = 2  # characters that a load has to last for at the head of a column
-_LEAST_WETTED = 0.005  # share of a tuft: its point
+_LEAST_WETTED = 0.005  # fraction of a tuft: its point
 
 
 def apply_dip_option(
@@ -129,7 +129,7 @@ def remove_dips(
 
 
 def _strokes_within(recording: Recording, start: int, end: int) -> list[tuple[int, int, int]]:
-    """Strokes of a character: from where on the pen is up before, where it is down, and up again.
+    """Pen-up start, pen-down start and pen-up end of each stroke of a character.
 
     Those that the pen is not lifted before are part of the one before them.
     """
@@ -140,8 +140,8 @@ def _strokes_within(recording: Recording, start: int, end: int) -> list[tuple[in
     return list(zip(lifted.tolist(), begins.tolist(), leaves.tolist(), strict=True))
 
 
-def _wetted_fraction(share: float) -> float:
-    return math.ceil(1e4 * min(1.0, max(_LEAST_WETTED, share))) / 1e4
+def _wetted_fraction(fraction: float) -> float:
+    return math.ceil(1e4 * min(1.0, max(_LEAST_WETTED, fraction))) / 1e4
 
 
 def ink_taken(recording: Recording, brush: BrushSpec, material: Material) -> NDArray[np.float64]:
@@ -195,11 +195,11 @@ def _touches(recording: Recording) -> NDArray[np.bool_]:
 
 
 def _find_column_heads(recording: Recording, starts: AnyArray) -> NDArray[np.bool_]:
-    """(K,) bool: characters that lie much farther from the one before than usual."""
-    place = _root_in_object(recording)
+    """(K,) bool: characters much farther from the one before than usual."""
+    root = _root_in_object(recording)
     touches = _touches(recording)
     weights = np.add.reduceat(touches.astype(float), starts)
-    sums = np.add.reduceat(np.where(touches[:, None], place, 0.0), starts, axis=0)
+    sums = np.add.reduceat(np.where(touches[:, None], root, 0.0), starts, axis=0)
     middle = sums / np.maximum(weights, 1.0)[:, None]
     steps = np.linalg.norm(np.diff(middle, axis=0), axis=1)
     heads = np.zeros(len(starts), bool)
@@ -210,7 +210,7 @@ def _find_column_heads(recording: Recording, starts: AnyArray) -> NDArray[np.boo
 
 
 def _find_needed_dips(taken: AnyArray, heads: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """(K,) bool: characters that the brush is dipped for, by what each takes of a wetted tuft."""
+    """(K,) bool: characters that need a dip, by the ink that each takes from a wetted tuft."""
     dips = np.zeros(len(taken), bool)
     used = math.inf
     for k in range(len(taken)):

@@ -1,10 +1,11 @@
 """Load of a brush along a stroke, so that it leaves as much bare as was asked for.
 
 A brush that runs dry touches only what stands out of a surface's grain (docs/model.md, equation
-(13)). What share of its footprint that is depends on the level λ alone: its load over the one at
-which it begins to skip, g (0.8 - 0.4 pe) of a dip on a material of grain g. So a share that shall
-stay bare gives λ, by a table, and with the planned pressure the load. The recording's header says
-it (``loads``) wherever it changes: how much is bare, and where along the stroke; not which streak.
+(13)). The fraction of its footprint that is touched depends on the level λ alone: its load over the
+one at which it begins to skip, g (0.8 - 0.4 pe) of a dip on a material of grain g. So a fraction
+that shall stay bare gives λ, by a table, and with the planned pressure the load. The recording's
+header says it (``loads``) wherever it changes: how much is bare, and where along the stroke; not
+which streak.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ from paint3d.errors import InputError
 __all__ = [
     "BLACKEST",
     "DENSITY",
-    "diluted",
+    "dilution_for",
     "dryness_at",
     "loads_for",
     "stations_of_motion",
@@ -48,7 +49,7 @@ is painted on trial corrects it."""
 
 _LEAST_INK = 1e-3  # in water
 
-# What share of a written stroke is covered at levels of 0 to 1: three characters of 25, 40 and 70
+# The fraction of a written stroke that is covered at levels of 0 to 1: characters of 25, 40 and 70
 # mm, all their strokes alike, on xuan paper. Brushes drawn straight cover less (.05 at .05, .44 at
 # .4, .89 at .7; on plaster and with three brushes to .03 the same): a written footprint turns.
 _LEVELS = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0)
@@ -57,19 +58,19 @@ _COVERED = (
     0.998, 1.0,
 )  # fmt: skip
 _SKIPS_AT, _PRESSED = 0.8, 0.4  # of a dip, on grain 1: model.md, 5; less by so much when pressed
-_DRIEST = 0.97  # share left bare, that a stroke is painted with at the most
-_WET = 0.03  # share left bare, below which ink is as full as it comes
+_DRIEST = 0.97  # fraction left bare, that a stroke is painted with at the most
+_WET = 0.03  # fraction left bare, below which ink is as full as it comes
 _FULLNESS = 3.0  # of a dip: streaks of a brush that is nearly dry are as black as wet ink
 _NEXT = 0.04  # of itself, or of a tenth of a dip: by how much a load must differ to be written anew
 _MOST_CHANGES = 1500  # loads in a header, whose line has no more room
 _DECIMALS = 4
-_PLACES = 400  # of a line, of which each point has its nearest
+_LINE_POINTS = 400  # of a line, of which each point has its nearest
 
 
 def stations_of_motion(
     motion: Motion, glyph: Glyph, em_mm: float, footprints: FootprintTable
 ) -> NDArray[np.float64]:
-    """Between which stations of its strokes' dryness the brush is at every sample (N,).
+    """Stations of their strokes' dryness, of every sample (N,).
 
     Stations are counted from 0 through all strokes; NaN off strokes that do not say how dry they
     are.
@@ -92,38 +93,38 @@ def stations_of_motion(
     for k, stroke in enumerate(glyph.strokes):
         mine, n = np.flatnonzero(motion.stroke == k), len(stroke.dryness)
         if n and len(mine):
-            share = _station_along(on_paper(stroke.median, em_mm), middle[mine])
-            station[mine] = first + np.clip(share * n - 0.5, 0.0, n - 1.0)
+            along = _station_along(on_paper(stroke.median, em_mm), middle[mine])
+            station[mine] = first + np.clip(along * n - 0.5, 0.0, n - 1.0)
         first += n
     return station
 
 
-def dryness_at(station: AnyArray, shares: AnyArray) -> NDArray[np.float64]:
-    """Shares between stations, linearly; NaN where the station is."""
-    result: NDArray[np.float64] = np.interp(station, np.arange(len(shares)), shares)
+def dryness_at(station: AnyArray, dryness: AnyArray) -> NDArray[np.float64]:
+    """Interpolate dryness between stations linearly; NaN where the station is."""
+    result: NDArray[np.float64] = np.interp(station, np.arange(len(dryness)), dryness)
     return result
 
 
 def _station_along(line: AnyArray, points: AnyArray) -> NDArray[np.float64]:
-    """Station (0 to 1) on a line (M, 2) of the nearest place to each point, never going back.
+    """Station (0 to 1) on a line (M, 2) of the nearest position to each point, never going back.
 
     A stroke may cross itself: each point is looked for near the one before.
     """
-    places = resample_to(line, _PLACES)
+    line_points = resample_to(line, _LINE_POINTS)
     at = np.empty(len(points))
     last = 0
     for k, point in enumerate(points):
-        first, end = max(0, last - 20), min(_PLACES, last + 60)
-        off = np.linalg.norm(places[first:end] - point, axis=1)
+        first, end = max(0, last - 20), min(_LINE_POINTS, last + 60)
+        off = np.linalg.norm(line_points[first:end] - point, axis=1)
         last = first + int(np.argmin(off))
-        at[k] = last / (_PLACES - 1)
+        at[k] = last / (_LINE_POINTS - 1)
     return np.maximum.accumulate(at)
 
 
 def with_ink(
     recording: Recording, dryness: AnyArray | None, strength: AnyArray | None, material: Material
 ) -> Recording:
-    """A recording whose brush is as dry, and its ink as strong, as was asked for on a material.
+    """A recording with the dryness and strength of ink that strokes ask for, on a material.
 
     See `with_dryness` and `with_strengths`.
     """
@@ -131,14 +132,14 @@ def with_ink(
 
 
 def with_dryness(recording: Recording, dryness: AnyArray | None, material: Material) -> Recording:
-    """A recording whose brush is as dry as was asked for, on a material.
+    """A recording with the dryness that strokes ask for, on a material.
 
     Parameters
     ----------
     recording : Recording
         With pressures.
     dryness : (N,) float64, optional
-        What share shall stay bare below the brush at each sample; None: the same recording.
+        What fraction shall stay bare below the brush at each sample; None: the same recording.
     material : Material
         Where it has no grain nothing stays bare.
     """
@@ -148,7 +149,7 @@ def with_dryness(recording: Recording, dryness: AnyArray | None, material: Mater
 
 
 def loads_for(dryness: AnyArray, pressure: AnyArray, grain: float) -> NDArray[np.float64]:
-    """The load, as a share of a dip three times as full as usual, that leaves such shares bare.
+    """The load, in dips three times as full as usual, that leaves such fractions bare.
 
     Parameters
     ----------
@@ -168,24 +169,24 @@ def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording
     """A recording whose header says with how much water strokes are written (``strengths``).
 
     Of a film that scatters little the density -log10 of the light grows as the ink in it does
-    (Beer and Lambert); see `diluted`.
+    (Beer and Lambert); see `dilution_for`.
 
     Parameters
     ----------
     recording : Recording
     strength : (N,) float64, optional
-        Shares of the light that black ink takes, of every sample; NaN: as it is. None: the same
+        Fractions of the light that black ink takes, of every sample; NaN: as it is. None: the same
         recording.
     """
     if strength is None:
         return recording
     known = np.flatnonzero(np.isfinite(strength))
-    share = diluted(np.asarray(strength)[known])
+    fraction = dilution_for(np.asarray(strength)[known])
     first = np.ones(len(known), bool)
-    first[1:] = (np.diff(known) > 1) | (np.diff(share) != 0.0)
+    first[1:] = (np.diff(known) > 1) | (np.diff(fraction) != 0.0)
     changes = [
         [int(recording.time_ns[k]), round(float(s), _DECIMALS)]
-        for k, s in zip(known[first], share[first], strict=True)
+        for k, s in zip(known[first], fraction[first], strict=True)
     ]
     if len(changes) > _MOST_CHANGES:
         raise InputError(
@@ -197,11 +198,11 @@ def with_strengths(recording: Recording, strength: AnyArray | None) -> Recording
     return replace(recording, header={**recording.header, "strengths": changes})
 
 
-def diluted(strength: AnyArray) -> NDArray[np.float64]:
-    """Share of ink in water that takes a share of the light that black ink takes.
+def dilution_for(strength: AnyArray) -> NDArray[np.float64]:
+    """Fraction of ink in water that takes a fraction of the light that black ink takes.
 
     A written stroke is thicker than what would be black: strokes of soot with water come to a
-    density of `DENSITY` times the share of soot, until the light that their surface reflects is
+    density of `DENSITY` times the fraction of soot, until the light that their surface reflects is
     all that is seen. Strength 1 is the ink itself.
     """
     strength = np.asarray(strength, np.float64)
@@ -216,7 +217,7 @@ def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> 
     ----------
     recording : Recording
     loads : (N,) float64
-        Of every sample, as shares of a dip; NaN: as it comes.
+        Of every sample, as fractions of a dip; NaN: as it comes.
     fullness : float
         Of a dip, see `DipAmount`.
 
@@ -242,13 +243,13 @@ def with_loads(recording: Recording, loads: AnyArray, fullness: float = 1.0) -> 
 
 
 def _load_changes(recording: Recording, loads: AnyArray, step: float) -> list[list[float]]:
-    """Times (ns) and loads where they have changed by a share, and where each stroke begins."""
+    """Times (ns) and loads wherever the load changes noticeably, and at each stroke's start."""
     changes: list[list[float]] = []
     known = np.flatnonzero(np.isfinite(loads))
     for run in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
-        held = math.inf
+        load = math.inf
         for k in run:
-            if held == math.inf or abs(loads[k] - held) > step * max(held, 0.1):
-                held = float(loads[k])
-                changes.append([int(recording.time_ns[k]), round(held, _DECIMALS)])
+            if load == math.inf or abs(loads[k] - load) > step * max(load, 0.1):
+                load = float(loads[k])
+                changes.append([int(recording.time_ns[k]), round(load, _DECIMALS)])
     return changes

@@ -150,8 +150,8 @@ def _centroid(reach: AnyArray, half_width: AnyArray) -> float:
 
 def _boundary(reach: AnyArray, half_width: AnyArray) -> NDArray[np.float64]:
     """Points of the outline, counter-clockwise from the tip, closer together at both ends."""
-    share = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, _SIDE + 1) / (_SIDE + 1))
-    x = reach[0] + share * (reach[-1] - reach[0])
+    fraction = 0.5 + 0.5 * np.cos(np.pi * np.arange(1, _SIDE + 1) / (_SIDE + 1))
+    x = reach[0] + fraction * (reach[-1] - reach[0])
     y = np.interp(x, reach, half_width)
     left, right = np.stack([x, y], axis=1), np.stack([x, -y], axis=1)[::-1]
     return np.concatenate([[(reach[-1], 0.0)], left, [(reach[0], 0.0)], right])

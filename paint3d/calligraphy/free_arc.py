@@ -1,4 +1,4 @@
-"""The part of a level line round a body along which nothing is in the way of a brush.
+"""Free arc: the part of a level line round a body where nothing obstructs the brush.
 
 Round a vase that is all of it. A handle or a spout leaves an arc beside it: there the brush has no
 room, or the surface turns away.
@@ -33,7 +33,7 @@ _FRONT = 0.5
 
 @dataclass(frozen=True)
 class FreeArc:
-    """Where the middles of squares may stand, mm to the right of where the line begins.
+    """An interval for the middles of squares, mm to the right of where the line begins.
 
     Attributes
     ----------
@@ -52,12 +52,12 @@ class FreeArc:
         return self.end - self.start
 
     def centred_on(self, middle: float) -> FreeArc:
-        """The part of it that has a place in its middle; of no length where that is not on it."""
+        """The part of it that is centred on `middle`; of no length where that is not on it."""
         half = max(min(middle - self.start, self.end - middle), 0.0)
         return FreeArc(middle - half, middle + half, self.obstacle)
 
     def middle_for(self, width: float, near: float | None = None) -> float:
-        """Where the middle of something so wide (mm) stands: as near to a place as it can."""
+        """The middle of something so wide (mm), as close to `near` as it fits."""
         if near is None or width >= self.length:
             return 0.5 * (self.start + self.end)
         return min(max(near, self.start + 0.5 * width), self.end - 0.5 * width)
@@ -70,7 +70,7 @@ class Ring:
     ----------
     surface : ClosestPoints
     right, left : SurfaceLine
-        From one place; either may go astray on a handle.
+        From one point; either may go astray on a handle.
     up : (3,) array_like
     em_mm : float
         Of what is to stand on it.
@@ -107,7 +107,7 @@ class Ring:
             )
 
     def at(self, distance: float) -> NDArray[np.float64]:
-        """The point (3,) so many mm to the right of where it begins; a closed one repeats.
+        """The point (3,) at a distance (mm) to the right of its start; a closed ring repeats.
 
         Of one that is not closed the end, where it does not reach so far.
         """
@@ -119,7 +119,7 @@ class Ring:
 
     @cached_property
     def stations(self) -> NDArray[np.float64]:
-        """Places (N,) along it, mm, evenly from where it begins or from its left end."""
+        """Distances (N,) along it, mm, evenly from its start or its left end."""
         n = int(min(max(_PER_EM * self.length / self.em_mm, _FEWEST), _MOST))
         return self._start + self.length * np.arange(n) / (n if self.closed else n - 1)
 
@@ -135,13 +135,13 @@ class Ring:
 
     @property
     def n_turns(self) -> float:
-        """How far it goes round the axis of the body."""
+        """The turns it makes round the axis of the body."""
         step = float(np.ptp(self.turns[:2])) if self.closed else 0.0
         return float(np.ptp(self.turns)) + step
 
     @property
     def goes_round(self) -> bool:
-        """Whether it goes at least half round the axis of the body."""
+        """True if it goes at least half round the axis of the body."""
         return self.n_turns >= _TURN
 
     def find_arc(
@@ -153,7 +153,7 @@ class Ring:
         placed: bool = False,
         centred: bool = False,
     ) -> FreeArc | None:
-        """The free arc on which something may stand; None where nothing is in the way.
+        """The free arc for a layout; None where nothing obstructs it.
 
         Parameters
         ----------
@@ -189,11 +189,11 @@ class Ring:
         return nearest.centred_on(0.0) if centred else nearest
 
     def crowded(self, room_mm: float, height: float = 0.0) -> NDArray[np.bool_]:
-        """At which stations (N,) something else is near a brush that stands there.
+        """Stations (N,) at which the object obstructs a brush.
 
         So many mm above the line, and half an em above and below that.
         """
-        found = np.zeros(len(self.stations), bool)
+        is_crowded = np.zeros(len(self.stations), bool)
         normals = self.surface.find(self.points).normals
         slope = self._up - (normals @ self._up)[:, None] * normals
         slope /= np.maximum(np.linalg.norm(slope, axis=1), 1e-9)[:, None]
@@ -201,8 +201,8 @@ class Ring:
             foot = self.surface.find(self.points + (height + off) * slope)
             tip = foot.points + room_mm * foot.normals
             away = np.linalg.norm(self.surface.find(tip).points - tip, axis=1)
-            found |= away < _CLEAR * room_mm
-        return found
+            is_crowded |= away < _CLEAR * room_mm
+        return is_crowded
 
     def _arcs(
         self, crowded: NDArray[np.bool_], is_free: Callable[[AnyArray], bool]
@@ -245,26 +245,23 @@ class Ring:
             off = abs((self.turn_at(0.5 * (arc.start + arc.end)) - _FRONT + 0.5) % 1.0 - 0.5)
             return arc.length < longest - _EVEN * self.length, off
 
-        found = []
+        arcs = []
+        low, high = self.surface.mesh.bounds[:, 2]
+        height = float((self.points[:, 2].mean() - low) / (high - low))  # V of all obstacles
         for start, end, last, following in zip(starts, ends, before, after, strict=True):
             turn = self.length * round(0.5 * (start + end) / self.length) if self.closed else 0.0
             beside = (last + start, end + following)  # twice the middles of what is in the way
             nearer = beside[abs(end - turn) < abs(start - turn)]
-            found.append(FreeArc(start - turn, end - turn, self._place_at(0.5 * nearer)))
-        return sorted(found, key=rank)
+            arcs.append(FreeArc(start - turn, end - turn, (self.turn_at(0.5 * nearer), height)))
+        return sorted(arcs, key=rank)
 
     def turn_at(self, distance: float) -> float:
-        """The U of a place on it."""
+        """The U of a position on it."""
         return float(turns_of(self.surface.mesh, self.at(distance)[None])[0])
-
-    def _place_at(self, distance: float) -> tuple[float, float]:
-        low, high = self.surface.mesh.bounds[:, 2]
-        height = float((self.points[:, 2].mean() - low) / (high - low))
-        return self.turn_at(distance), height
 
 
 def in_the_way_error(fault: Fault, obstacle: tuple[float, float]) -> Fault:
-    """A fault with what it is that is in the way."""
+    """Add the obstacle to a fault."""
     fields = {k: v for k, v in fault.message.fields.items() if k == "smaller"}
     u, v = obstacle
     return type(fault)(

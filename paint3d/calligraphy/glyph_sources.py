@@ -18,7 +18,6 @@ __all__ = [
     "GlyphSource",
     "HanziWriterFolder",
     "KanjiVGLines",
-    "check_glyphs",
     "has_letters",
     "is_square_letter",
     "load_glyphs",
@@ -141,7 +140,7 @@ def open_glyph_folder(folder: Path | str) -> HanziWriterFolder:
 
 
 def has_letters(text: str) -> bool:
-    """Return whether a text has letters that stand in no squares, as those of alphabets."""
+    """Return whether a text has letters that are not written in squares, as in alphabets."""
     return any(unicodedata.category(one)[0] == "L" and not is_square_letter(one) for one in text)
 
 
@@ -162,7 +161,7 @@ def names_of(characters: Iterable[str]) -> str:
     return ", ".join(f"{one!r} (U+{ord(one):04X})" for one in characters)
 
 
-def check_glyphs(source: GlyphSource, text: str) -> None:
+def _check_glyphs(source: GlyphSource, text: str) -> None:
     """Refuse a text with characters that a source does not know.
 
     Raises
@@ -186,7 +185,7 @@ def load_glyphs(source: GlyphSource, text: str) -> dict[str, Glyph]:
     Raises
     ------
     GlyphError
-        As `check_glyphs`.
+        As `_check_glyphs`.
     """
-    check_glyphs(source, text)
+    _check_glyphs(source, text)
     return {c: source.load(c) for c in dict.fromkeys(text)}

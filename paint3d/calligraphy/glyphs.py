@@ -108,7 +108,7 @@ _FLATNESS = 0.15  # units that a chord may stray from its curve
 
 @dataclass(frozen=True, eq=False)
 class GlyphStroke:
-    """One stroke of a glyph, in glyph units.
+    """A stroke of a glyph, in glyph units.
 
     Attributes
     ----------
@@ -121,7 +121,7 @@ class GlyphStroke:
     dryness : tuple of float
         How dry the brush was at even stations along the line, 0 to 1, where that is known.
     strength : float
-        How black its ink is: the share of the light that it takes, over what black ink takes.
+        How black its ink is: the fraction of the light that it takes, over what black ink takes.
     """
 
     outline: NDArray[np.float64]

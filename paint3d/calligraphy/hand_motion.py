@@ -1,4 +1,4 @@
-"""The hand over an object: planned motions laid on charts, and the ways between them."""
+"""The hand over an object: planned motions laid on charts, and the paths between them."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ def to_hand_motion(
 
 
 def root_stretch(points: NDArray[np.float64], normals: NDArray[np.float64], tuft: Tuft) -> float:
-    """Greatest ratio of the root's way to the foot's, over a grid of a surface.
+    """Greatest ratio of the root's path length to the foot's, over a grid of a surface.
 
     Parameters
     ----------
@@ -98,21 +98,21 @@ def root_stretch(points: NDArray[np.float64], normals: NDArray[np.float64], tuft
     Returns
     -------
     float
-        1 or more: over a hollow the root's way is the shorter one.
+        1 or more: over a hollow the root's path is the shorter one.
     """
     roots = points + tuft.length * normals
     most = 1.0
     for axis in range(2):
-        ways = np.linalg.norm(np.diff(points, axis=axis), axis=2)
+        lengths = np.linalg.norm(np.diff(points, axis=axis), axis=2)
         root_ways = np.linalg.norm(np.diff(roots, axis=axis), axis=2)
-        most = max(most, float((root_ways / ways).max()))
+        most = max(most, float((root_ways / lengths).max()))
     return most
 
 
 def move_between(
     start: HandMotion, end: HandMotion, surface: ClosestPoints, tuft: Tuft, tempo: Tempo
 ) -> HandMotion:
-    """The way from the last pose of one motion to the first of the next, clear of the object.
+    """Move from the last pose of one motion to the first of the next, clear of the object.
 
     It is a least-jerk move that is raised until the tip keeps off the surface.
     """
@@ -125,7 +125,8 @@ def move_between(
     t = np.linspace(0.0, 1.0, 33)
     for _ in range(_MOST_RAISES):
         path = _arc(first, last, arc * outward, t)
-        z = _axes_between(start, end, t, (0.0, 0.0, 1.0))
+        turns = slerp(*_repeat_ends(start, end, len(t)), minimum_jerk(t))
+        z = rotate(turns, np.array((0.0, 0.0, 1.0)))  # the handle's axis
         if _is_clear(surface, path - tuft.length * z, path, 0.4 * tempo.dip_mm):
             break
         arc = 1.5 * arc + 2.0
@@ -142,14 +143,14 @@ def move_between(
 def _move_seconds(
     span: float, arc: float, start: HandMotion, end: HandMotion, tempo: Tempo
 ) -> float:
-    """Time that a way takes: as fast as the limits allow but not in a hurry."""
+    """Time that a path takes: as fast as the limits allow but not in a hurry."""
     cosine = abs(float(start.orientation[-1] @ end.orientation[0]))
     turn = 2.0 * math.acos(min(1.0, cosine))
-    way = span + 4.0 * arc
+    length = span + 4.0 * arc
     result: float = max(
         tempo.lift_s,
-        _PEAK * way / tempo.most_speed,
-        math.sqrt(_PEAK_ACCELERATION * way / (0.6 * tempo.most_acceleration)),
+        _PEAK * length / tempo.most_speed,
+        math.sqrt(_PEAK_ACCELERATION * length / (0.6 * tempo.most_acceleration)),
         ((_PEAK_JERK * span + _PEAK_JERK_RISE * arc) / (0.9 * tempo.most_jerk)) ** (1.0 / 3.0),
         _PEAK * turn / tempo.most_turn_rate,
     )
@@ -166,26 +167,20 @@ def _repeat_ends(start: HandMotion, end: HandMotion, n: int) -> tuple[AnyArray, 
     return np.tile(start.orientation[-1], (n, 1)), np.tile(end.orientation[0], (n, 1))
 
 
-def _axes_between(
-    start: HandMotion, end: HandMotion, t: AnyArray, axis: tuple[float, float, float]
-) -> AnyArray:
-    return rotate(slerp(*_repeat_ends(start, end, len(t)), minimum_jerk(t)), np.array(axis))
-
-
 def _is_clear(surface: ClosestPoints, tips: AnyArray, roots: AnyArray, least: float) -> bool:
-    """Return whether a tuft on its way stays outside of the object and off it."""
+    """Return whether a tuft on its path stays outside of the object and off it."""
     for points in (tips, 0.5 * (tips + roots), roots):
-        found = surface.find(points)
-        apart = points - found.points
+        nearest = surface.find(points)
+        apart = points - nearest.points
         distance = np.linalg.norm(apart, axis=1)
-        outside = np.sum(apart * found.normals, axis=1) > 0.0
+        outside = np.sum(apart * nearest.normals, axis=1) > 0.0
         if (distance[1:-1] < least).any() or not outside[1:-1].all():
             return False
     return True
 
 
 def join_motions(parts: Sequence[HandMotion]) -> HandMotion:
-    """One motion after the other."""
+    """Concatenate motions."""
     return HandMotion(
         np.concatenate([part.position for part in parts]),
         np.concatenate([part.orientation for part in parts]),

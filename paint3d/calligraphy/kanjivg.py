@@ -29,8 +29,8 @@ __all__ = ["LineStroke", "find_kanjivg", "load_lines", "parse_lines"]
 @lru_cache(maxsize=1)
 def find_kanjivg() -> Path | None:
     """The folder with the characters, or None where the package is not installed."""
-    for place in sys.path:  # where pip has put it; `importlib.metadata` takes 10 ms to find it
-        folder = Path(place, "kanji")
+    for entry in sys.path:  # where pip has put it; `importlib.metadata` takes 10 ms to find it
+        folder = Path(entry, "kanji")
         if not os.path.isdir(folder):  # nor where one may not look: `Path.is_dir` raises there
             continue
         if next(folder.parent.glob("kanjivg-*.dist-info"), None) is not None:
@@ -140,16 +140,13 @@ def _line(path: str, name: str) -> NDArray[np.float64]:
                 control = None
                 continue
             first = group[0] if kind == "C" else (here if control is None else 2 * here - control)
-            points.extend(_curve(here, first, group[-2], group[-1]))
-            control = group[-2]
+            control, end = group[-2], group[-1]
+            t = np.linspace(0.0, 1.0, _POINTS_PER_CURVE + 1)[1:, None]
+            s = 1.0 - t  # the cubic's Bernstein polynomials
+            curve = s**3 * here + 3 * s * s * t * first + 3 * s * t * t * control + t**3 * end
+            points.extend(list(curve))
     line = np.array(points)
     if len(line) < 2 or not np.ptp(line, axis=0).any():
         raise InputError("{name} has no length; expected a line", name=name)
     scale = EM_UNITS / _BOX
     return np.column_stack([line[:, 0] * scale, EM_UNITS - DESCENDER - line[:, 1] * scale])
-
-
-def _curve(a: AnyArray, b: AnyArray, c: AnyArray, d: AnyArray) -> list[AnyArray]:
-    t = np.linspace(0.0, 1.0, _POINTS_PER_CURVE + 1)[1:, None]
-    s = 1.0 - t
-    return list(s**3 * a + 3 * s * s * t * b + 3 * s * t * t * c + t**3 * d)

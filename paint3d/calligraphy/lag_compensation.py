@@ -4,8 +4,8 @@ The contact Q lies at the slack l(D_s) from the handle's foot H and moves toward
 footprint's centre lies between them, at its reach from H: if the centre shall follow a line, Q
 follows the centre at the distance that is left, and H stands ahead of both. How the tuft really
 turns, and where the paper holds its tip, is then asked of the laws themselves, and the footprints
-are fitted to that. Deeper footprints are turned and held otherwise, so this goes on in rounds, in
-each of which the levels follow by a share only.
+are fitted to that. Deeper footprints are turned and tilted otherwise, so this goes on in rounds, in
+each of which the levels follow by a fraction only.
 """
 
 from __future__ import annotations
@@ -26,8 +26,8 @@ from paint3d.core.polyline import arc_lengths, headings_of, unit_vectors
 __all__ = ["TRIALS", "DraggedPath", "Lead", "pull", "refine_pull"]
 
 _ROUNDS = 3  # of fitting footprints and pulling them along: the slack depends on the footprint
-_FOLLOWS = 0.7  # share of a change of levels that a round follows
-_MADE_UP = 0.8  # share of what the paper holds a tip aside that the handle makes up for
+_FOLLOWS = 0.7  # fraction of a change of levels that a round follows
+_MADE_UP = 0.8  # fraction of what the paper holds a tip aside that the handle makes up for
 _TRIES = ((1.0, 0.7), (0.5, 0.5), (1.0, 0.4))  # of `refine_pull`: made up for, and followed
 TRIALS = len(_TRIES)
 _SETTLING = 6.0  # slacks of way in which the light tip turns into the direction it is pulled
@@ -81,7 +81,7 @@ def pull(lead: Lead) -> DraggedPath:
 
 
 def refine_pull(lead: Lead, path: DraggedPath, trial: int) -> Iterator[DraggedPath]:
-    """Paths that go on from one; the handle makes up for what the paper holds the tip aside.
+    """Refine a path iteratively: the handle compensates for the tip's offset on the paper.
 
     None of them is the better for sure: see which covers most. There are three trials, from 0.
     """
@@ -97,7 +97,7 @@ def refine_pull(lead: Lead, path: DraggedPath, trial: int) -> Iterator[DraggedPa
 
 
 def _lead_handle(lead: Lead, level: AnyArray, aside: AnyArray) -> NDArray[np.float64]:
-    """Places of the handle (N, 2), mm, so that footprints that are free follow the line."""
+    """Positions of the handle (N, 2), mm, at which free footprints follow the line."""
     reach, slack = lead.footprints.centroid_at(level), lead.footprints.slack_at(level)
     ahead = np.minimum(reach, (1.0 - _SHORTEST) * slack)
     bend = _follow(lead.wanted, slack - ahead, lead.start)
@@ -156,9 +156,9 @@ def _lay_poses(
     bend = _follow(handle, footprints.slack_at(level), lead.start)
     bent = headings_of(bend)
     heel, length = footprints.heel_at(level), footprints.length_at(level)
-    held = np.empty_like(handle)
-    hold_along(handle, bent, footprints.descent_at(level), heel, length, held)
-    azimuth, share = bent + held[:, 0], 1.0 - held[:, 1] / length
+    holding = np.empty_like(handle)
+    hold_along(handle, bent, footprints.descent_at(level), heel, length, holding)
+    azimuth, share = bent + holding[:, 0], 1.0 - holding[:, 1] / length
     middle, under = footprints.centroid_at(level) - heel, handle + heel[:, None] * bend
     centre = under + (middle * share)[:, None] * unit_vectors(azimuth)
     return DraggedPath(handle, azimuth, centre, level, share), under + middle[:, None] * bend

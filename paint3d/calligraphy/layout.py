@@ -44,14 +44,13 @@ __all__ = [
     "TextPlace",
     "WritingArea",
     "find_writing_areas",
+    "frames_for",
     "frames_to_try",
     "layout_text",
-    "places_for",
     "split_text",
     "start_around",
     "upright_frame",
     "walking_step",
-    "with_place",
     "with_suggestion",
 ]
 
@@ -68,12 +67,12 @@ _STEPS_PER_EM, _LEAST_STEP_MM = 8.0, 0.1
 
 
 def walking_step(em_mm: float) -> float:
-    """Length (mm) of a step of the lines that a text of an em runs along."""
+    """Step length (mm) of the lines that a text of an em runs along."""
     return max(em_mm / _STEPS_PER_EM, _LEAST_STEP_MM)
 
 
 def upright_frame(surface: ClosestPoints, point: AnyArray, up: Upright) -> SurfaceFrame:
-    """The frame at a point (3,) of a surface with an upwards.
+    """The frame at a point (3,) of a surface with a defined upwards.
 
     Raises
     ------
@@ -98,7 +97,7 @@ def frames_to_try(surface: ClosestPoints, side: str | None) -> Iterator[SurfaceF
     surface : ClosestPoints
     side : {"outside", "inside", "top", "bottom", "front", "right", "back", "left"}, optional
         From where one looks; by default the object's usual side first, then the others, and at
-        last places spread evenly over its area, which no side may show.
+        last positions spread evenly over its area, which no side may show.
     """
     usual = "top" if is_flat(surface) else "outside"
     sides = [side] if side is not None else [usual, *(s for s in SIDES if s != usual)]
@@ -120,8 +119,8 @@ def _scatter_frames(surface: ClosestPoints) -> Iterator[SurfaceFrame]:
     corners = mesh.vertices[mesh.faces].astype(np.float64)
     sides = corners[:, 1:] - corners[:, :1]
     passed = np.cumsum(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1))
-    share = (np.arange(_SCATTERED) + 0.5) / _SCATTERED
-    faces = np.searchsorted(passed, share * passed[-1])
+    fraction = (np.arange(_SCATTERED) + 0.5) / _SCATTERED
+    faces = np.searchsorted(passed, fraction * passed[-1])
     first, second = np.modf(np.outer(np.arange(1, _SCATTERED + 1), _GOLDEN))[0].T
     folded = first + second > 1.0  # the other half of the parallelogram
     weights = np.stack([first, second], axis=1)
@@ -143,9 +142,9 @@ _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
 _FARTHEST = 500.0  # ems from the middle: what lies beyond is not looked at for any text
 _MIDDLE = (0.5, 0.5)
-_WITHIN = 1e-6  # of a panel: how far from its rim a place between panels goes
-_MOST_GRIDS = 8  # places without enough room after which the search is given up
-_SMALLER_SHARES = (0.85, 0.7, 0.55, 0.4)  # of the em, tried in turn for what may be proposed
+_WITHIN = 1e-6  # of a panel: how far from its rim a point between panels goes
+_MOST_GRIDS = 8  # positions without enough room after which the search is given up
+_SMALLER_FRACTIONS = (0.85, 0.7, 0.55, 0.4)  # of the em, tried in turn for what may be proposed
 _TURNS_ASIDE = (0.0625, -0.0625, 0.125, -0.125, 0.1875, -0.1875, 0.25, -0.25, 0.375, -0.375, 0.5)
 _MOST_SPREAD = 1.5  # of the distance of columns: how far a text is spread along a free arc
 _DENSER = 4.0  # times as many characters as areas say may fit at a smaller size: two lines for one
@@ -208,7 +207,7 @@ class Layout:
 
     @property
     def is_placed(self) -> bool:
-        """Return whether it is said where its middle goes."""
+        """True if the position of its middle is given."""
         return self.at is not None or self.point is not None
 
 
@@ -239,17 +238,17 @@ class WritingArea:
             See `place`.
         """
         if layout.point is None:
-            found = place(self.surface, layout.at or _MIDDLE, side=layout.side)
-            origin, normal = found.origin, found.normal
+            frame = place(self.surface, layout.at or _MIDDLE, side=layout.side)
+            origin, normal = frame.origin, frame.normal
             if self.apex is None and not layout.turn:
-                return found
+                return frame
         else:
             closest = self.surface.find(as_array(layout.point, "point", (3,))[None])
             origin, normal = closest.points[0], closest.normals[0]
         return upright_frame(self.surface, origin, self.upright(normal, layout))
 
     def upright(self, normal: AnyArray, layout: Layout) -> Upright:
-        """Direction of up around a place of a normal (3,)."""
+        """Direction of up around a point of a normal (3,)."""
         return Upright(upwards(normal), self.apex, math.radians(layout.turn))
 
 
@@ -279,10 +278,10 @@ def find_writing_areas(
     return (nearest,), layout
 
 
-def places_for(
+def frames_for(
     surface: ClosestPoints, at: tuple[float, float] | None, side: str | None
 ) -> Iterator[SurfaceFrame]:
-    """Frames where what is laid on an object may go: at a place, or one after another.
+    """Frames where what is laid on an object may go: at a position, or one after another.
 
     Raises
     ------
@@ -303,7 +302,7 @@ def _panels(mesh: TriangleMesh, within_margins: bool) -> tuple[WritingArea, ...]
     return tuple(WritingArea(ClosestPoints(area.mesh), area.apex) for area in areas)
 
 
-# ---- Characters in their places ------------------------------------------------------------------
+# ---- Characters in their squares -----------------------------------------------------------------
 
 
 @dataclass(frozen=True, eq=False)
@@ -420,16 +419,16 @@ def _lay_on(
         raise with_suggestion(fault, em_mm, layout, lies)
     if fixed:
         raise fault
-    return _search_places(area, lines, em_mm, layout, limits, fault)
+    return _search_frames(area, lines, em_mm, layout, limits, fault)
 
 
 @lru_cache(maxsize=1)
 def _middle_grid(area: WritingArea, em_mm: float, layout: Layout, limits: SquareLimits) -> _Grid:
-    """The grid around the middle; the last is kept, as texts on one object often follow."""
+    """The grid around the middle; the last is cached, as texts on one object often follow."""
     return _Grid(area, em_mm, layout, limits, area.middle(layout))
 
 
-def _search_places(
+def _search_frames(
     area: WritingArea,
     lines: Sequence[str],
     em_mm: float,
@@ -437,7 +436,7 @@ def _search_places(
     limits: SquareLimits,
     fault: Paint3DError,
 ) -> list[PlacedCharacter]:
-    """The squares of a text at the first place where it fits; the middle has that fault."""
+    """The squares of a text at the first position where it fits; the middle has that fault."""
     roomiest: _Grid | None = None
     n_seen = n_tried = 0
     for frame in frames_to_try(area.surface, layout.side):
@@ -454,7 +453,7 @@ def _search_places(
         if squares is not None:
             return squares
         n_tried += 1
-        if roomiest is None or grid.room > roomiest.room:
+        if roomiest is None or grid.usable_area > roomiest.usable_area:
             roomiest = grid
         if n_tried == _MOST_GRIDS:
             break
@@ -468,7 +467,7 @@ def _search_places(
 def with_suggestion(
     fault: InputError, em_mm: float, layout: Layout, fits: Callable[[float, Layout], bool]
 ) -> InputError:
-    """A fault with a smaller size, and a place beside the one asked for, at which a text fits.
+    """A fault with a smaller size, or a position beside the one asked for, at which a text fits.
 
     Without them where a hand moves the text about, who sees where it fits.
 
@@ -489,13 +488,13 @@ def with_suggestion(
         except InputError:
             return False
 
-    sizes = [float(f"{em_mm * share:.2g}") for share in _SMALLER_SHARES]
+    sizes = [float(f"{em_mm * fraction:.2g}") for fraction in _SMALLER_FRACTIONS]
     smaller = next((size for size in sizes if does_fit(size, layout)), None)
-    places = []
+    positions = []
     if layout.at is not None:
         u, v = layout.at
-        places = [(round((u + turn) % 1.0, 3), v) for turn in _TURNS_ASIDE]
-    other = next((at for at in places if does_fit(em_mm, replace(layout, at=at))), None)
+        positions = [(round((u + turn) % 1.0, 3), v) for turn in _TURNS_ASIDE]
+    other = next((at for at in positions if does_fit(em_mm, replace(layout, at=at))), None)
     if smaller is None and other is None:
         return fault
     if other is None:
@@ -503,7 +502,7 @@ def with_suggestion(
             "{cause}; a size of {smaller:g} mm would fit", cause=fault.message, smaller=smaller
         )
     elif smaller is None:
-        return with_place(fault, *other)
+        return _with_position(fault, *other)
     else:
         message = Message(
             "{cause}; a size of {smaller:g} mm would fit, and this size at {u:g},{v:g}",
@@ -515,10 +514,10 @@ def with_suggestion(
     return type(fault)(message, hint=fault.hint)
 
 
-def with_place(fault: InputError, u: float, v: float) -> InputError:
-    """A fault with a place at which a text of this size fits."""
-    told = Message("{cause}; this size would fit at {u:g},{v:g}", cause=fault.message, u=u, v=v)
-    return type(fault)(told, hint=fault.hint)
+def _with_position(fault: InputError, u: float, v: float) -> InputError:
+    """A fault with a position at which a text of this size fits."""
+    message = Message("{cause}; this size would fit at {u:g},{v:g}", cause=fault.message, u=u, v=v)
+    return type(fault)(message, hint=fault.hint)
 
 
 def _too_long_error(grid: _Grid, lines: Sequence[str], fits: int) -> InputError:
@@ -562,24 +561,24 @@ def start_around(
     first: SurfaceFrame | None = None
     for u in _TURNS:
         try:
-            found = area.middle(replace(layout, at=(u, height)))
+            frame = area.middle(replace(layout, at=(u, height)))
         except MeshError:
             continue
-        first = first or found
-        up = area.upright(found.normal, layout)
+        first = first or frame
+        up = area.upright(frame.normal, layout)
         right, left = (
-            walk(area.surface, found, up, (sign, 0.0), None, walking_step(em_mm))
+            walk(area.surface, frame, up, (sign, 0.0), None, walking_step(em_mm))
             for sign in (1.0, -1.0)
         )
         with suppress(MeshError):
             if Ring(area.surface, right, left, up.up, em_mm).goes_round:
-                return found
+                return frame
     return first or area.middle(layout)
 
 
 @dataclass(eq=False)
 class TextPlace:
-    """A place of a surface that text is laid around, and the lines that go from there."""
+    """A point of a surface that text is laid around, and the lines that go from there."""
 
     area: WritingArea
     em_mm: float
@@ -592,7 +591,7 @@ class TextPlace:
         self.surface = self.area.surface
         self.up = self.area.upright(self.middle.normal, self.layout)
         self._climbs: dict[float, SurfaceLine] = {}
-        self._free: dict[tuple[float, float], FreeArc | None] = {}  # arcs that were found
+        self._free: dict[tuple[float, float], FreeArc | None] = {}  # arcs that are known
         self.for_brush = self.limits
         if self.layout.brush_mm is not None:
             self.for_brush = replace(self.limits, room_mm=self.layout.brush_mm)
@@ -615,7 +614,7 @@ class TextPlace:
         return self._climbs[sign]
 
     def find_free_arc(self, ring: Ring, low: float, high: float) -> FreeArc | None:
-        """The arc of a ring where squares from so low to so high (mm above it) may stand.
+        """The arc of a ring that is free for squares from `low` to `high` (mm above it).
 
         None where they may all round it.
 
@@ -639,7 +638,7 @@ class TextPlace:
         return self._free[key]
 
     def is_free(self, point: AnyArray, heights: Sequence[float]) -> bool:
-        """Return whether squares can be laid so many mm above a point (3,), for the usual brush."""
+        """True if squares can be laid at a height (mm) above a point (3,), for the usual brush."""
         try:
             frame = self.frame(point)
             for height in heights:
@@ -658,7 +657,7 @@ class TextPlace:
 
 
 class _Grid(TextPlace):
-    """The grid of squares around one place of a surface."""
+    """The grid of squares around one point of a surface."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -676,38 +675,38 @@ class _Grid(TextPlace):
 
     @cached_property
     def span(self) -> tuple[float, float]:
-        """Lowest and highest place (mm up from the middle) where a square can be laid."""
+        """Lowest and highest position (mm up from the middle) where a square can be laid."""
         return self._reach(self._start, -1.0), self._reach(self._start, 1.0)
 
     def find_arc(self, block: float) -> FreeArc | None:
-        """Where the columns of a block so many mm high may stand; None: all round a body."""
+        """The free arc for the columns of a block of a height (mm); None: all round a body."""
         if self.ring is None:
             return None
         top = self._top(block)
         return self.find_free_arc(self.ring, top - block, top)
 
     def in_the_way_error(self, fault: InputError, arc: FreeArc, lines: Sequence[str]) -> InputError:
-        """A fault with what is in the way, and with a place that would do where one was asked."""
-        found = in_the_way_error(fault, arc.obstacle)
+        """A fault with what is in the way, and a position that would do where one was asked for."""
+        error = in_the_way_error(fault, arc.obstacle)
         if self.ring is None or self.layout.at is None:
-            return found
+            return error
         free = self.ring.find_arc(
             self.for_brush.room_mm, (0.0,), partial(self.is_free, heights=(0.0,))
         )
         if free is None:
-            return found
+            return error
         u = round(self.ring.turn_at(free.middle_for(0.0)), 2)
         layout = replace(self.layout, at=(u, self.layout.at[1]))
         try:
             start = self.area.middle(layout)
             if _Grid(self.area, self.em_mm, layout, self.limits, start).fit(lines) is None:
-                return found
+                return error
         except InputError:
-            return found
-        return with_place(found, u, self.layout.at[1])
+            return error
+        return _with_position(error, u, self.layout.at[1])
 
     @property
-    def room(self) -> float:
+    def usable_area(self) -> float:
         """Area of the surface that the grid may use, mm2."""
         around = 1.0 if self.right.closed else 2.0
         return around * self.right.length * (self.span[1] - self.span[0] + self.em_mm)
@@ -715,7 +714,7 @@ class _Grid(TextPlace):
     # -- how many fit -----------------------------------------------------------------------
 
     def _first_usable(self) -> float:
-        """The place nearest to the middle, up or down, where a square can be laid."""
+        """The position nearest to the middle, up or down, where a square can be laid."""
         if self.layout.is_placed:
             self._square(self.middle.origin)
             return 0.0
@@ -733,7 +732,7 @@ class _Grid(TextPlace):
         raise fault or MeshError("{object}: no place to write", object=self.surface.mesh.name)
 
     def _reach(self, start: float, sign: float) -> float:
-        """Farthest place (mm up from the middle) where a square can lie, to a 40th of the em."""
+        """Farthest position (mm up from the middle) where a square can lie, to a 40th of the em."""
         line = self.climb(sign)
         known, step = start, 0.5 * self.em_mm
         while step > self.em_mm / 50.0:
@@ -755,7 +754,7 @@ class _Grid(TextPlace):
         return lay_square(self.surface, self.frame(point), self.em_mm, self.limits)
 
     def _has_room(self, shape: tuple[int, int], pitch: AnyArray) -> bool:
-        """Return whether so many squares fit, across and down, by the middle lines alone."""
+        """Return whether a grid of n across and m down fits, by the middle lines alone."""
         if shape[1] > 1:
             low, high = self.span
             if (shape[1] - 1) * pitch[1] > high - low + 0.02 * pitch[1]:
@@ -776,7 +775,7 @@ class _Grid(TextPlace):
         few, many = 0, sum(map(len, lines))
         while many - few > 1:
             n = (few + many) // 2
-            if self.fit(_cut(lines, n)) is None:
+            if self.fit(_first_characters(lines, n)) is None:
                 many = n
             else:
                 few = n
@@ -860,7 +859,7 @@ class _Grid(TextPlace):
         return None
 
     def _cells(self, lines: Sequence[str]) -> list[_Cell]:
-        """Place of each character in the grid."""
+        """Grid cell of each character."""
         columns, longest = self.layout.order == "columns", max(map(len, lines))
         wide = len(lines) if columns else longest
         cells = []
@@ -890,7 +889,7 @@ class _Grid(TextPlace):
         return squares
 
     def _column(self, across: float, top: float, bottom: float) -> tuple[SurfaceLine, SurfaceLine]:
-        """The lines up and down from the place so many mm to the right of the middle."""
+        """The lines up and down from the point so many mm to the right of the middle."""
         if self.ring is not None:
             frame = self.frame(self.ring.at(across))
             up = self.walk(frame, (0.0, 1.0), max(top, 0.0))
@@ -936,15 +935,15 @@ class _Grid(TextPlace):
             for key in ((right, down), (right, down + 1), (right, down - 1), (across, down + 1)):
                 other = at.get(key)
                 if other is not None and other is not square:
-                    way = int(key[0] == across)
-                    worst[way] = max(worst[way], square.overlap(other), other.overlap(square))
+                    axis = int(key[0] == across)
+                    worst[axis] = max(worst[axis], square.overlap(other), other.overlap(square))
         return np.where(worst > _TOUCHING * self.em_mm, worst, 0.0)
 
 
-def _cut(lines: Sequence[str], n: int) -> list[str]:
+def _first_characters(lines: Sequence[str], n: int) -> list[str]:
     """The first n characters of the lines."""
-    kept = []
+    cut = []
     for line in lines:
-        kept.append(line[:n])
-        n -= len(kept[-1])
-    return [line for line in kept if line]
+        cut.append(line[:n])
+        n -= len(cut[-1])
+    return [line for line in cut if line]

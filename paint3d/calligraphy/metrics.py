@@ -39,13 +39,13 @@ class Likeness:
     iou : float
         Area of the intersection over that of the union.
     precision, recall : float
-        Share of the painted shape that is wanted, and of the wanted shape that is painted.
+        Fraction of the painted shape that is wanted, and of the wanted shape that is painted.
     hausdorff95 : float
-        The distance, in shares of the em, within which 95 % of either edge lies from the other:
-        the greater of the two directions.
+        The distance, ems, within which 95 % of either edge lies from the other: the greater of the
+        two directions.
     width_error : float
-        Mean difference of the full widths along the middle line of the wanted shape, in shares of
-        the em: twice the distances from there to the two edges.
+        Mean difference of the full widths along the middle line of the wanted shape, ems: twice the
+        distances from there to the two edges.
     """
 
     iou: float
@@ -106,7 +106,7 @@ def painted_mask(
         Vertices, mm from the em square's lower left corner in the character's own plane; NaN for
         those that are not near it.
     coverage : (V,) array_like
-        Share of each vertex's area that is under paint.
+        Fraction of each vertex's area that is under paint.
     faces : (F, 3) array_like
     em_mm : float
 
@@ -171,10 +171,10 @@ def _pixel_means(fine: AnyArray) -> NDArray[np.float32]:
 
 
 def _cut_out(a: AnyArray, b: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Two masks without what is empty around both, but for a pixel: no distance is another."""
+    """Crop two masks to their common bounding box and a pixel around it; distances stay."""
     rows, columns = (np.flatnonzero((a | b).any(axis=axis)) for axis in (1, 0))
-    kept = tuple(slice(max(0, at[0] - 1), at[-1] + 2) for at in (rows, columns))
-    return a[kept], b[kept]
+    box = tuple(slice(max(0, at[0] - 1), at[-1] + 2) for at in (rows, columns))
+    return a[box], b[box]
 
 
 def _edge_pixels(mask: AnyArray) -> NDArray[np.bool_]:

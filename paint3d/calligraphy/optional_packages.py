@@ -11,7 +11,7 @@ __all__ = ["import_optional"]
 
 
 def import_optional(name: str) -> Any:
-    """One of the packages that read fonts, drawings and photographs.
+    """Import one of the packages that read fonts, drawings and photographs.
 
     Raises
     ------

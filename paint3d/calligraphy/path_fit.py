@@ -34,7 +34,7 @@ TECHNIQUES = {"zhongfeng": math.pi, "cefeng": 0.75 * math.pi, "pianfeng": 0.5 * 
 
 @dataclass(frozen=True)
 class PlanSettings:
-    """Options of planning a stroke; lengths in shares of the em.
+    """Options of planning a stroke; lengths in fractions of the em.
 
     Attributes
     ----------
@@ -45,7 +45,7 @@ class PlanSettings:
     n_directions : int
         Bend directions tried.
     shifts : tuple of float
-        Side steps tried, in shares of the narrower half of the stroke.
+        Side steps tried, in fractions of the narrower half of the stroke.
     trailing : float
         Cost of a leading tip (0 for a trailing one), in stroke widths left bare.
     turning, shifting : float
@@ -53,7 +53,7 @@ class PlanSettings:
     detours : int
         How many bare corners the line is led into, one after another.
     worth : float
-        Share of the bare area that a detour must gain.
+        Fraction of the bare area that a detour must gain.
     technique : {"zhongfeng", "cefeng", "pianfeng"}, optional
         How the bend is held against the motion: the tip trails (180 degrees), lies half aside
         (135) or all aside (90), on either side. None: as covers the outline best.
@@ -114,7 +114,7 @@ _SPAN = 0.12  # of the width: how far a path steps aside to lie in the middle
 
 @dataclass(frozen=True, eq=False)
 class StrokePath:
-    """The way of the brush through one stroke: N poses with an upright holder, in order.
+    """The path of the brush through one stroke: N poses with an upright holder, in order.
 
     Attributes
     ----------
@@ -142,7 +142,7 @@ class StrokePath:
 
 @dataclass(frozen=True, eq=False)
 class FittedLine:
-    """A line and what comes of following it.
+    """A line, and the path and bare area that follow from it.
 
     Attributes
     ----------
@@ -170,7 +170,7 @@ class FittedLine:
 
 @dataclass(frozen=True, eq=False)
 class PathFitter:
-    """Constants while one stroke's path is improved; see `plan_stroke`."""
+    """State shared while one stroke's path is improved; see `plan_stroke`."""
 
     field: OutlineField
     footprints: FootprintTable
@@ -188,10 +188,10 @@ class PathFitter:
         )
 
     def follow(self, line: CentreLine, known: FittedLine | None = None) -> FittedLine:
-        """The path along a line; what is known of one that it shares samples with is kept."""
-        gap = _rate(line, self, known)
+        """The path along a line; what is known of one that it shares samples with is reused."""
+        gap = _rate_directions(line, self, known)
         chosen = _choose_path(line, gap, self)
-        shift = _balance(line, self, chosen, known)
+        shift = _balance_edges(line, self, chosen, known)
         path, bare = self._fit(line, chosen[:, 0], shift)
         return FittedLine(line, gap, chosen, shift, path, bare)
 
@@ -222,8 +222,8 @@ class PathFitter:
         centre, azimuth = _smooth_path(line, azimuth, shift, self.settings.pose_step * self.em_mm)
         level = np.empty(len(centre))
         kernels.fit_levels(self.target, centre, azimuth, np.ones(len(centre)), level)
-        kept = np.flatnonzero(level >= 0.0)
-        return None if len(kept) < 2 else (centre[kept], azimuth[kept], level[kept])
+        fitting = np.flatnonzero(level >= 0.0)
+        return None if len(fitting) < 2 else (centre[fitting], azimuth[fitting], level[fitting])
 
     def _make_lead(self, centre: AnyArray, azimuth: AnyArray, level: AnyArray) -> Lead:
         start = float(azimuth[0]) if self.start is None else self.start
@@ -245,18 +245,20 @@ class PathFitter:
             return best
         lead, path, inside = self._make_lead(*led), best.path, self.field.inside
         values = (path.handle, path.azimuth, path.centre, path.level, path.share)
-        found = DraggedPath(*(value[1:-1] for value in values))  # without its touch and its lift
+        dragged = DraggedPath(*(value[1:-1] for value in values))  # without its touch and its lift
         least = int((self._painted_mask(path) ^ inside).sum())
         for trial in range(TRIALS):
-            for one in refine_pull(lead, found, trial):
+            for one in refine_pull(lead, dragged, trial):
                 tried = _add_touch_and_lift(*one, self.footprints)
                 wrong = int((self._painted_mask(tried) ^ inside).sum())
                 if wrong < least:
-                    found, path, least = one, tried, wrong
+                    dragged, path, least = one, tried, wrong
         return replace(best, path=path, bare=inside & ~self._painted_mask(path))
 
 
-def _rate(line: CentreLine, fitter: PathFitter, known: FittedLine | None) -> NDArray[np.float64]:
+def _rate_directions(
+    line: CentreLine, fitter: PathFitter, known: FittedLine | None
+) -> NDArray[np.float64]:
     """The width that every direction and side step leaves bare at every sample (S, A, O), mm."""
     shifts = np.array(fitter.settings.shifts)
     gap = np.empty((len(line.points), fitter.settings.n_directions, len(shifts)))
@@ -265,13 +267,15 @@ def _rate(line: CentreLine, fitter: PathFitter, known: FittedLine | None) -> NDA
         new = _copy_known(gap, known.gap, _sample_values(line), _sample_values(known.line))
     sparse = np.ascontiguousarray(fitter.footprints.points[:, ::2])  # directions are only compared
     target = fitter.target._replace(points=sparse)
-    kernels.rate(target, line.points[new], line.headings[new], line.room[new], shifts, gap[new])
+    kernels.rate(
+        target, line.points[new], line.headings[new], line.clearance[new], shifts, gap[new]
+    )
     return gap
 
 
 def _sample_values(line: CentreLine) -> NDArray[np.float64]:
     """Values that a footprint's fit depends on at every sample of a line (S, 6)."""
-    return np.concatenate([line.points, line.normals, line.room], axis=1)
+    return np.concatenate([line.points, line.normals, line.clearance], axis=1)
 
 
 def _copy_known(out: AnyArray, known: AnyArray, mine: AnyArray, theirs: AnyArray) -> slice:
@@ -299,14 +303,14 @@ def _choose_path(line: CentreLine, gap: AnyArray, fitter: PathFitter) -> NDArray
     aside = settings.shifting * ((shifts[1] - shifts[0]) / per_width) ** 2
     angle, side = np.empty(len(gap), np.int64), np.empty(len(gap), np.int64)
     kernels.best_course(cost, turn, aside, 3, angle, side)
-    steps = shifts[side] * line.room.min(axis=1)
+    steps = shifts[side] * line.clearance.min(axis=1)
     return smooth_along(
         np.stack([np.unwrap(directions[angle]), steps], axis=1), _smoothing_samples(line)
     )
 
 
 def _smoothing_samples(line: CentreLine) -> float:
-    """Over how many samples a chosen path is smoothed."""
+    """The number of samples over which a chosen path is smoothed."""
     return _CALM_WIDTHS * line.width / line.step
 
 
@@ -320,7 +324,7 @@ def _cost_of_bend(ahead: AnyArray, settings: PlanSettings) -> NDArray[np.float64
     return settings.holding * (0.5 - 0.5 * off)
 
 
-def _balance(
+def _balance_edges(
     line: CentreLine, fitter: PathFitter, chosen: AnyArray, known: FittedLine | None
 ) -> NDArray[np.float64]:
     """Side steps (S,) near the chosen ones by which both edges are reached alike, mm."""
@@ -333,7 +337,7 @@ def _balance(
         )
         new = _copy_known(shift, known.shift, mine, theirs)
     kernels.balance(
-        fitter.target, line.points[new], line.headings[new], line.room[new], azimuth[new],
+        fitter.target, line.points[new], line.headings[new], line.clearance[new], azimuth[new],
         _SPAN * line.width, shift[new],
     )  # fmt: skip
     return shift
@@ -344,9 +348,9 @@ def _smooth_path(
 ) -> tuple[AnyArray, AnyArray]:
     """Interpolate the chosen path at the final step: centres (N, 2) and azimuths (N,)."""
     centre = line.points + shift[:, None] * line.normals
-    way = arc_lengths(centre)
-    at = np.linspace(0.0, way[-1], max(8, math.ceil(way[-1] / step)) + 1)
-    dense = interpolate(at, way, np.column_stack([centre, azimuth]))
+    along = arc_lengths(centre)
+    at = np.linspace(0.0, along[-1], max(8, math.ceil(along[-1] / step)) + 1)
+    dense = interpolate(at, along, np.column_stack([centre, azimuth]))
     smooth = smooth_along(dense, line.step / step)
     return np.ascontiguousarray(smooth[:, :2]), np.ascontiguousarray(smooth[:, 2])
 

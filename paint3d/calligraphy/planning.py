@@ -41,7 +41,6 @@ __all__ = [
     "on_paper",
     "plan_glyph",
     "plan_stroke",
-    "visiting",
 ]
 
 # ---- Bare corners --------------------------------------------------------------------------------
@@ -83,7 +82,7 @@ def corners_in(
 ) -> list[Corner]:
     """The bare patches (H, W) that are worth a detour, the largest first.
 
-    A patch counts where a disc of the share `finest` of the stroke's width would fit in.
+    A patch counts where a disc of the fraction `finest` of the stroke's width would fit in.
     """
     step = float(field.grid[2])
     disc = finest * line.width / step
@@ -104,24 +103,24 @@ def corners_in(
 
 
 def detours_to(
-    corner: Corner, line: CentreLine, field: OutlineField, held: bool
+    corner: Corner, line: CentreLine, field: OutlineField, is_held: bool
 ) -> Iterator[CentreLine]:
     """The line with its detours to a corner: visits, and a bend where it goes on beyond.
 
     A second visit goes to what lies farthest towards the corner's middle, where that is not the
-    farthest of it: a rim runs on from there that is too thin to be worth a way.
+    farthest of it: a rim runs on from there that is too thin to be worth a path.
 
-    Where the bend of the tuft is `held` against the motion nothing turns back: a bend only.
+    Where the bend of the tuft `is_held` against the motion nothing turns back: a bend only.
     """
-    if not held:
-        yield visiting(line, corner, field)
+    if not is_held:
+        yield _visiting(line, corner, field)
         k, tip = _find_departure(line, corner, field)
         ahead = (corner.points - line.points[k]) @ (corner.middle - line.points[k])
         other = corner.points[int(np.argmax(ahead))]
         if np.linalg.norm(other - tip) > _OTHER_TIP * line.width:
             yield _visit_point(other, k, line, field)
     nearest = int(np.argmin(np.linalg.norm(line.points - corner.middle, axis=1)))
-    if held or min(nearest, len(line.points) - 1 - nearest) * line.step > _NEAR_END * line.width:
+    if is_held or min(nearest, len(line.points) - 1 - nearest) * line.step > _NEAR_END * line.width:
         yield _bend_to(line, corner, nearest, field)
 
 
@@ -137,7 +136,7 @@ def _bend_to(line: CentreLine, corner: Corner, nearest: int, field: OutlineField
     return measure_line(points, line.width, line.step, field)
 
 
-def visiting(line: CentreLine, corner: Corner, field: OutlineField) -> CentreLine:
+def _visiting(line: CentreLine, corner: Corner, field: OutlineField) -> CentreLine:
     """Leave a line, where a disc on it reaches nearest to a corner, for its tip and come back."""
     k, tip = _find_departure(line, corner, field)
     return _visit_point(tip, k, line, field)
@@ -302,7 +301,7 @@ def _lead_into_corners(best: FittedLine, fitter: PathFitter) -> FittedLine:
     A detour at one end may change the path at the other: two that fail alone may do together.
     """
     settings, field = fitter.settings, fitter.field
-    held = settings.technique is not None
+    is_held = settings.technique is not None
     finest = _FINEST_DRAGGED if settings.azimuth == "dragged" else _FINEST
     tried = np.zeros_like(best.bare)
     for _ in range(settings.detours):
@@ -310,22 +309,22 @@ def _lead_into_corners(best: FittedLine, fitter: PathFitter) -> FittedLine:
         if not corners:
             break
         tried[corners[0].at] = True
-        best = _best_detour(best, detours_to(corners[0], best.line, field, held), fitter)
-    left = corners_in(best.bare, best.line, field, finest) if tried.any() and not held else []
+        best = _best_detour(best, detours_to(corners[0], best.line, field, is_held), fitter)
+    left = corners_in(best.bare, best.line, field, finest) if tried.any() and not is_held else []
     if len(left) > 1:
         line = best.line
         for corner in left:
-            line = visiting(line, corner, field)
+            line = _visiting(line, corner, field)
         best = _best_detour(best, [line], fitter)
     return best
 
 
 def _best_detour(best: FittedLine, lines: Iterable[CentreLine], fitter: PathFitter) -> FittedLine:
-    """The best of some detours, or none where none is worth it."""
+    """The best of some detours; None where none is worth it."""
     least = float(best.bare.sum()) * (1.0 - fitter.settings.worth)
-    found = best
+    chosen = best
     for line in lines:
         one = fitter.follow(line, best)
         if one.bare.sum() < least:
-            found, least = one, float(one.bare.sum())
-    return found
+            chosen, least = one, float(one.bare.sum())
+    return chosen

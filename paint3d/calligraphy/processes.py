@@ -1,4 +1,4 @@
-"""Work for processes of their own, side by side, whose results come in order.
+"""Parallel work in processes of its own, with results in order.
 
 A process that is started here ends with the one that started it, however that ends: being killed
 leaves nothing behind. An interrupt is the starter's affair; it ends the others at once.
@@ -22,7 +22,7 @@ from paint3d.errors import Paint3DError
 __all__ = ["in_processes", "serve"]
 
 _PATIENCE = 10  # of niceness
-_Answer = tuple[int, object, Exception | None]  # the item's number, what was found, what failed
+_Answer = tuple[int, object, Exception | None]  # the item's number, its result, its error
 _Given = TypeVar("_Given")
 _Found = TypeVar("_Found")
 
@@ -32,12 +32,6 @@ class _Worker(NamedTuple):
     connection: Connection[Any, Any]
 
 
-def _await_answers(workers: Sequence[_Worker]) -> list[_Worker]:
-    """Those who have an answer, after waiting for one."""
-    ready = wait([worker.connection for worker in workers])
-    return [worker for worker in workers if worker.connection in ready]
-
-
 def in_processes(
     work: Callable[[_Given], _Found],
     items: Sequence[_Given],
@@ -45,7 +39,7 @@ def in_processes(
     *,
     is_patient: bool = False,
 ) -> Generator[_Found]:
-    """Yield what `work` gives for each item, in their order, found by `n` processes.
+    """Yield what `work` gives for each item, in their order, computed by `n` processes.
 
     All of it must be such as can be sent to another process. With `is_patient` they give way to
     others.
@@ -56,20 +50,21 @@ def in_processes(
         If a process dies, or finds what cannot be sent. What `work` raises is raised here.
     """
     workers = list[_Worker]()
-    left, found = iter(enumerate(items)), dict[int, _Found]()
+    left, results = iter(enumerate(items)), dict[int, _Found]()
     try:
         _start(workers, work, n, is_patient=is_patient)
         busy = [w for w in workers if _send_next(w, left)]
         for k in range(len(items)):
-            while k not in found:
-                for worker in _await_answers(busy):
+            while k not in results:
+                ready = wait([worker.connection for worker in busy])
+                for worker in [one for one in busy if one.connection in ready]:
                     number, result, fault = _receive_answer(worker)
                     if fault is not None:
                         raise fault
-                    found[number] = cast("_Found", result)
+                    results[number] = cast("_Found", result)
                     if not _send_next(worker, left):
                         busy.remove(worker)
-            yield found.pop(k)
+            yield results.pop(k)
     finally:
         for worker in workers:
             worker.process.kill()  # it has nothing to end, and may hold back what asks it to
@@ -81,7 +76,7 @@ def in_processes(
 def _start(
     workers: list[_Worker], work: Callable[..., Any], n: int, *, is_patient: bool = False
 ) -> None:
-    """Add so many: those that are there already are known where the next one fails."""
+    """Start n more workers; those already started stay known if the next one fails."""
     context = multiprocessing.get_context("spawn")
     with holding_interrupts(), blocking_interrupts():
         for _ in range(n):
@@ -116,7 +111,7 @@ def _receive_answer(worker: _Worker) -> _Answer:
 def serve(
     work: Callable[..., Any], connection: Connection[Any, Any], is_patient: bool = False
 ) -> None:
-    """Do what comes until the other end is closed."""
+    """Work on items until the other end is closed."""
     if is_patient and hasattr(os, "nice"):
         os.nice(_PATIENCE)
     ignore_interrupts()
@@ -144,9 +139,9 @@ def _pack_answer(answer: _Answer) -> memoryview | bytes:
         if fault is not None:
             ForkingPickler.loads(packed)  # some errors can be sent, but not be made again
     except Exception as cause:
-        told = f"{type(cause).__name__}: {cause}"
+        reason = f"{type(cause).__name__}: {cause}"
         if fault is not None:
-            told = f"{type(fault).__name__}: {fault} ({told})"
-        unsent = Paint3DError("the result of a process could not be sent back: {told}", told=told)
+            reason = f"{type(fault).__name__}: {fault} ({reason})"
+        unsent = Paint3DError("the result of a process could not be sent back: {told}", told=reason)
         packed = ForkingPickler.dumps((number, None, unsent))
     return packed

@@ -59,7 +59,7 @@ _HOOKED = "㇆㇚㇂㇁㇟㇈㇉㇃㇡"
 _SAMPLES = 96
 _WINDOW = 0.12  # of the length: how far to both sides a corner is looked at
 _LEAST_SEGMENT = 0.05  # of the length
-_ZONE_WIDTHS, _ZONE_SHARE = 4.0, 0.4
+_ZONE_WIDTHS, _ZONE_FRACTION = 4.0, 0.4
 
 
 def corners_of(kind: str) -> int:
@@ -91,7 +91,7 @@ class StrokeSegment:
 
     def stations(self, half_width: float, before: float, after: float) -> NDArray[np.float64]:
         """Distances (2 ZONE + BODY,) along the segment; it goes on straight before and after."""
-        zone = min(_ZONE_WIDTHS * half_width, _ZONE_SHARE * self.length)
+        zone = min(_ZONE_WIDTHS * half_width, _ZONE_FRACTION * self.length)
         rest = self.length - zone
         return np.concatenate(
             [
@@ -103,12 +103,12 @@ class StrokeSegment:
 
     def at(self, distances: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Points and unit vectors to the left, (N, 2) each, at distances along the segment."""
-        way = np.linspace(0.0, self.length, len(self.points))
+        along = np.linspace(0.0, self.length, len(self.points))
         inside = np.clip(distances, 0.0, self.length)
         tangents = np.gradient(self.points, axis=0)
-        tangents = gaussian_filter1d(tangents, 0.04 * len(way), axis=0, mode="nearest")
+        tangents = gaussian_filter1d(tangents, 0.04 * len(along), axis=0, mode="nearest")
         tangents /= np.maximum(np.linalg.norm(tangents, axis=1, keepdims=True), 1e-9)
-        point, tangent = (interpolate(inside, way, values) for values in (self.points, tangents))
+        point, tangent = (interpolate(inside, along, values) for values in (self.points, tangents))
         tangent /= np.maximum(np.linalg.norm(tangent, axis=1, keepdims=True), 1e-9)
         point = point + (np.asarray(distances) - inside)[:, None] * tangent
         return point, np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
@@ -117,7 +117,7 @@ class StrokeSegment:
 def cut_line(line: AnyArray, n_corners: int, hook: float = 0.0) -> list[StrokeSegment]:
     """Cut a line (N, 2) at its sharpest corners into segments.
 
-    One of the corners of a line that ends in a hook lies within the share `hook` of its end.
+    One of the corners of a line that ends in a hook lies within the fraction `hook` of its end.
     """
     points = resample_to(line, _SAMPLES)
     cuts = [0, *sorted(_find_corners(points, n_corners, hook)), _SAMPLES - 1]
@@ -214,7 +214,7 @@ def _shape_stroke(stroke: LineStroke, n_strokes: int, name: str) -> GlyphStroke:
         segments = cut_line(stroke.line, 0)
     if is_hooked(kind) and len(segments) > 1:
         segments[-2] = _drop_end_bend(segments[-2])
-        segments[-1] = _hook(segments[-2], segments[-1], shape["last"])
+        segments[-1] = _make_hook(segments[-2], segments[-1], shape["last"])
     length = sum(segment.length for segment in segments)
     law = shape["law"]
     half = math.exp(law[0] + law[1] * math.log(n_strokes) + law[2] * math.log(max(length, 1.0)))
@@ -248,25 +248,25 @@ def _guess_type(line: AnyArray) -> tuple[str, dict[str, Any]]:
 
 def _drop_end_bend(segment: StrokeSegment) -> StrokeSegment:
     """A segment without the bend at its end with which it leads into a hook."""
-    way = np.diff(segment.points, axis=0)
-    heading = headings_of(way)
+    steps = np.diff(segment.points, axis=0)
+    heading = headings_of(steps)
     n = len(heading)
     first = int(_STEADY * n)
     straying = np.abs(heading[first:] - heading[first]) > _STRAYS
     last = first + int(np.argmax(straying)) if straying.any() else n
-    kept = segment.points[: last + 1]
-    beyond = float((segment.points[-1] - kept[-1]) @ way[last - 1])
-    missing = max(0.0, beyond / float(np.linalg.norm(way[0])))
-    end = kept[-1] + missing * way[last - 1] / max(np.linalg.norm(way[last - 1]), 1e-9)
-    line = np.vstack([kept, end]) if missing > 0.0 else kept
+    straight = segment.points[: last + 1]
+    beyond = float((segment.points[-1] - straight[-1]) @ steps[last - 1])
+    missing = max(0.0, beyond / float(np.linalg.norm(steps[0])))
+    end = straight[-1] + missing * steps[last - 1] / max(np.linalg.norm(steps[last - 1]), 1e-9)
+    line = np.vstack([straight, end]) if missing > 0.0 else straight
     return cut_line(line, 0)[0]
 
 
-def _hook(before: StrokeSegment, hook: StrokeSegment, last: Sequence[float]) -> StrokeSegment:
+def _make_hook(before: StrokeSegment, hook: StrokeSegment, last: Sequence[float]) -> StrokeSegment:
     """A straight hook, as long and as sharply turned as a brush makes it."""
     length, turn = last
-    way = before.points[-1] - before.points[-30]
-    angle = math.atan2(way[1], way[0]) + turn
+    direction = before.points[-1] - before.points[-30]
+    angle = math.atan2(direction[1], direction[0]) + turn
     end = before.points[-1] + length * np.array([math.cos(angle), math.sin(angle)])
     return StrokeSegment(np.linspace(before.points[-1], end, len(hook.points)))
 

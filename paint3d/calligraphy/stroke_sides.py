@@ -39,7 +39,7 @@ __all__ = ["stroke_outlines", "stroke_polygon"]
 
 _STEP = 0.02  # of a footprint's size: how far a footprint moves before the next one counts
 _FINEST_MM = 0.02
-_LEFT_OUT = 0.0015  # share of the stroke's area that may stand out of the bands, all together
+_LEFT_OUT = 0.0015  # fraction of the stroke's area that may stand out of the bands, all together
 _UPRIGHT = math.cos(math.radians(1.0))
 _CRACK = 0.02  # of the widest footprint: cracks between bands are closed up to twice this
 _SIMPLER = 0.004  # mm that an outline may be moved to save points
@@ -74,16 +74,17 @@ def stroke_outlines(recording: Recording, brush: BrushSpec) -> list[list[AnyArra
     tuft = build_tuft(brush)
     azimuth = np.arctan2(frames[:, 1, 0], frames[:, 0, 0])
     outlines = []
-    for first, last in _runs(down):
+    edges = np.flatnonzero(np.diff(np.r_[False, down, False].astype(np.int8)))
+    for first, last in edges.reshape(-1, 2).tolist():  # runs of samples that are down
         feet, prints = [], []
         twist = 0.0
         for k in range(first, last):
             descent = path.pressure[k] * tuft.full_press
             if k > first:
                 turned = math.remainder(azimuth[k] - azimuth[k - 1], 2.0 * math.pi)
-                way = math.dist(path.position[k, :2], path.position[k - 1, :2])
+                distance = math.dist(path.position[k, :2], path.position[k - 1, :2])
                 slack = drag_length(descent, tuft.length, tuft.drag_fraction)
-                twist = twist_step(twist, turned, way, slack)
+                twist = twist_step(twist, turned, distance, slack)
             pressed = make_footprint(tuft, descent, 0.5 * math.pi, azimuth[k])
             footprint = _twist_footprint(pressed.rounded(), twist)
             if not footprint.is_empty:
@@ -129,20 +130,15 @@ def stroke_polygon(feet: AnyArray, prints: list[Footprint]) -> Polygon:
     return shape.buffer(crack).buffer(-crack)
 
 
-def _runs(down: AnyArray) -> list[tuple[int, int]]:
-    edges = np.flatnonzero(np.diff(np.r_[False, down, False].astype(np.int8)))
-    return [(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
 def _thin_out(feet: AnyArray, prints: list[Footprint]) -> tuple[AnyArray, list[Footprint]]:
-    """Leave out footprints that hardly differ from the last one kept."""
-    kept = [0]
+    """Leave out footprints that hardly differ from the last one that stays."""
+    retained = [0]
     outlines = [_extreme_points(f) + foot for f, foot in zip(prints, feet, strict=True)]
     for k in range(1, len(prints)):
-        moved = np.abs(outlines[k] - outlines[kept[-1]]).max()
+        moved = np.abs(outlines[k] - outlines[retained[-1]]).max()
         if moved > max(_STEP * prints[k].width, _FINEST_MM) or k == len(prints) - 1:
-            kept.append(k)
-    return feet[kept], [prints[k] for k in kept]
+            retained.append(k)
+    return feet[retained], [prints[k] for k in retained]
 
 
 def _extreme_points(footprint: Footprint) -> AnyArray:
@@ -163,12 +159,12 @@ def _footprint_middle(footprint: Footprint) -> AnyArray:
 def _headings(feet: AnyArray, prints: list[Footprint]) -> AnyArray:
     """Directions of motion (N, 2) of the footprints' middles."""
     middles = feet + np.array([_footprint_middle(f) for f in prints])
-    ways = np.diff(middles, axis=0)
-    lengths = np.linalg.norm(ways, axis=1, keepdims=True)
-    ways = np.where(lengths > 1e-9, ways / np.maximum(lengths, 1e-9), [1.0, 0.0])
-    both = np.vstack([ways[:1], ways[1:] + ways[:-1], ways[-1:]])
+    steps = np.diff(middles, axis=0)
+    lengths = np.linalg.norm(steps, axis=1, keepdims=True)
+    steps = np.where(lengths > 1e-9, steps / np.maximum(lengths, 1e-9), [1.0, 0.0])
+    both = np.vstack([steps[:1], steps[1:] + steps[:-1], steps[-1:]])
     size = np.linalg.norm(both, axis=1, keepdims=True)
-    return np.where(size > 1e-6, both / np.maximum(size, 1e-9), np.vstack([ways, ways[-1:]]))
+    return np.where(size > 1e-6, both / np.maximum(size, 1e-9), np.vstack([steps, steps[-1:]]))
 
 
 def _bands(feet: AnyArray, prints: list[Footprint], headings: AnyArray) -> Iterable[Polygon]:

@@ -4,7 +4,7 @@ A copybook has each character once. A hand that writes it again enters a little 
 otherwise, presses more here and less there. Each character is turned, stretched and shifted as a
 whole, each stroke once more, and the brush sinks deeper or less deep by a slow tremor; between
 strokes, while the brush is up, one goes over into the next. Everything follows from a seed and the
-character's place in the text.
+character's index in the text.
 """
 
 from __future__ import annotations

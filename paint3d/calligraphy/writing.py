@@ -109,7 +109,7 @@ class Written:
     page : Page, optional
         As it was composed, where a page was written.
     dryness : (N,) float64, optional
-        What share shall stay bare below the brush at each sample, 0 to 1; NaN where it is not
+        What fraction shall stay bare below the brush at each sample, 0 to 1; NaN where it is not
         known. None where no stroke says so.
     station : (N,) float64, optional
         Between which stations of the strokes' dryness each sample lies, counted from 0 through all
@@ -227,11 +227,11 @@ def _write(
     processes: int,
     progress: Callable[[str, float], None] | None,
 ) -> Written:
-    """Plan every glyph once, lay it wherever it stands, and join the ways."""
+    """Plan every glyph once, lay it wherever it stands, and join the motions."""
     as_number(settings.variation, "variation", 0.0, MOST_VARIATION)
     as_number(settings.hand_speed, "hand_speed", 1.0, MOST_HAND_SPEED)
     as_number(settings.seed, "seed", 0)
-    tuft, footprints, settings = _prepare(placed, settings)
+    tuft, footprints, settings = _prepare_tools(placed, settings)
     glyphs = {id(piece.glyph): piece.glyph for piece in placed}
     motions: dict[int, Motion] = {}
     with closing(_plan_all(glyphs.values(), footprints, settings, processes)) as plans:
@@ -260,13 +260,22 @@ def _write(
     parts = laid[:1]
     for following in laid[1:]:
         parts += [move_between(parts[-1], following, surface, tuft, settings.tempo), following]
-    recording = _recording(join_motions(parts), settings, entries)
+    hand = join_motions(parts)
+    rate_hz = settings.tempo.rate_hz * settings.hand_speed
+    recording = Recording(
+        round(1e9 / rate_hz) * np.arange(len(hand.position), dtype=np.int64),
+        _round_finite(hand.position, "position"),
+        _round_finite(hand.orientation, "orientation"),
+        np.minimum(_round_finite(hand.pressure, "pressure"), 1.0),
+        hand.buttons,
+        header={"devices": {"right": f"planned, {rate_hz:g} Hz"}, **entries},
+    )
     written = Written(recording, characters, placed=tuple(placed))
     stations = partial(stations_of_motion, em_mm=settings.em_mm, footprints=footprints)
     return _with_ink_per_sample(written, motions, parts, stations)
 
 
-def _prepare(
+def _prepare_tools(
     placed: Sequence[PlacedPiece], settings: WritingSettings
 ) -> tuple[Tuft, FootprintTable, WritingSettings]:
     """The tuft and its footprints, and the settings in the tempo that the surface asks for."""
@@ -284,7 +293,7 @@ def plan_ahead(placed: Sequence[PlacedPiece], settings: WritingSettings) -> Gene
     In a process that gives way to others; what is planned then need not be planned by `write_text`
     and `write_page` any more. It may be ended at any time.
     """
-    _, footprints, settings = _prepare(placed, settings)
+    _, footprints, settings = _prepare_tools(placed, settings)
     glyphs = {id(piece.glyph): piece.glyph for piece in placed}
     with closing(_plan_all(glyphs.values(), footprints, settings, 1, apart=True)) as plans:
         for _ in plans:
@@ -300,7 +309,7 @@ def _with_ink_per_sample(
     """Recording of what is written, with how dry and how strong its strokes are."""
     glyphs = [piece.glyph for piece in written.placed]
     strokes = [stroke for glyph in glyphs for stroke in glyph.strokes]
-    asked = [share for stroke in strokes for share in stroke.dryness]
+    asked = [fraction for stroke in strokes for fraction in stroke.dryness]
     pale = any(stroke.strength < 1.0 for stroke in strokes)
     if not asked and not pale:
         return written
@@ -341,7 +350,7 @@ def _count_through(
 ) -> NDArray[np.float64]:
     """Counts of glyphs at their own samples, counted on through all of them (N,).
 
-    Every other part is the way to the next glyph: NaN.
+    Every other part is the move to the next glyph: NaN.
     """
     values, first = [np.full(len(part.pressure), np.nan) for part in parts], 0
     for k, glyph in enumerate(glyphs):
@@ -352,7 +361,7 @@ def _count_through(
 
 @lru_cache(maxsize=1)
 def _surface_of(mesh: TriangleMesh) -> ClosestPoints:
-    """The mesh's closest points; the last are kept, as texts on one object often follow."""
+    """The mesh's closest points; the last are cached, as texts on one object often follow."""
     return ClosestPoints(mesh)
 
 
@@ -366,37 +375,37 @@ class _Plans:
     """
 
     def __init__(self) -> None:
-        self._kept: OrderedDict[bytes, Motion] = OrderedDict()
+        self._cached: OrderedDict[bytes, Motion] = OrderedDict()
         self._lock = threading.Lock()
 
     def find(self, key: bytes) -> Motion | None:
         """The motion of a key; None where it is not known."""
         with self._lock:
-            if key in self._kept:
-                self._kept.move_to_end(key)
-            return self._kept.get(key)
+            if key in self._cached:
+                self._cached.move_to_end(key)
+            return self._cached.get(key)
 
     def keep(self, key: bytes, motion: Motion) -> None:
-        """Keep it, in the place of the one that was used least lately."""
+        """Cache it, in place of the one that was used least lately."""
         with self._lock:
-            self._kept[key] = motion
-            while len(self._kept) > _MOST_PLANS:
-                self._kept.popitem(last=False)
+            self._cached[key] = motion
+            while len(self._cached) > _MOST_PLANS:
+                self._cached.popitem(last=False)
 
 
 _plans = _Plans()
 
 
 def _plan_key(glyph: Glyph, settings: WritingSettings) -> bytes:
-    """What a glyph's motion depends on."""
+    """A digest of all that a glyph's motion depends on."""
     words = repr(
         (glyph.box, glyph.solid, settings.brush, settings.em_mm, settings.plan, settings.tempo)
     ).encode()
-    found = hashlib.sha256(words)
+    digest = hashlib.sha256(words)
     for stroke in glyph.strokes:
         for ring in (stroke.outline, stroke.median, *stroke.holes):
-            found.update(repr(ring.shape).encode() + ring.tobytes())
-    return found.digest()
+            digest.update(repr(ring.shape).encode() + ring.tobytes())
+    return digest.digest()
 
 
 def _plan_all(
@@ -480,22 +489,6 @@ def _describe_piece(piece: PlacedPiece) -> dict[str, Any]:
         },
     }
     return entry if box == EM_BOX else {**entry, "box": [round(side, 3) for side in box]}
-
-
-def _recording(
-    hand: HandMotion, settings: WritingSettings, header: Mapping[str, object]
-) -> Recording:
-    rate_hz = settings.tempo.rate_hz * settings.hand_speed
-    step_ns = round(1e9 / rate_hz)
-    entries = {"devices": {"right": f"planned, {rate_hz:g} Hz"}, **header}
-    return Recording(
-        step_ns * np.arange(len(hand.position), dtype=np.int64),
-        _round_finite(hand.position, "position"),
-        _round_finite(hand.orientation, "orientation"),
-        np.minimum(_round_finite(hand.pressure, "pressure"), 1.0),
-        hand.buttons,
-        header=entries,
-    )
 
 
 def _round_finite(values: AnyArray, what: str) -> AnyArray:

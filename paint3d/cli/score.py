@@ -220,10 +220,10 @@ def _ground(score: Score, options: argparse.Namespace) -> ClosestPoints:
 
 
 def _table(score: Score) -> str:
-    from paint3d.app.model.score.listing import listed_strokes
+    from paint3d.app.model.score.listing import list_strokes
 
     rows = [("stroke", "brush", "ink", "mm", "s", "")]
-    for stroke in listed_strokes(score):
+    for stroke in list_strokes(score):
         became = "" if stroke.became == "there" else stroke.became
         length, seconds = f"{stroke.length_mm:.1f}", f"{stroke.seconds:.2f}"
         rows.append((str(stroke.number), stroke.brush, stroke.ink, length, seconds, became))

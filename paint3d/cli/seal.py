@@ -252,7 +252,7 @@ def press(document: Document, options: argparse.Namespace) -> str:
 def _frames(document: Document, options: argparse.Namespace) -> Iterator[SurfaceFrame]:
     from itertools import islice
 
-    from paint3d.calligraphy.layout import places_for
+    from paint3d.calligraphy.layout import frames_for
 
     closest = document.surface.closest_points
-    yield from islice(places_for(closest, options.at, options.side), _MOST_PLACES)
+    yield from islice(frames_for(closest, options.at, options.side), _MOST_PLACES)

@@ -528,14 +528,14 @@ def _rehearsed(
     sheet: FlatPage | None,
 ) -> Written:
     """A plan, corrected by what comes of it on fresh surfaces."""
-    from paint3d.calligraphy.photo.rehearsal import rehearsed
+    from paint3d.calligraphy.photo.rehearsal import rehearse
     from paint3d.surface.painted_surface import PaintedSurface
 
     def on_trial(plan: Written) -> PaintedSurface:
         fresh = PaintedSurface(surface.source, surface.resolution, surface.material)
         return paint(fresh, inked(plan, fresh), wanted, seconds).surface
 
-    return rehearsed(written, on_trial, surface.material, trials, sheet)
+    return rehearse(written, on_trial, surface.material, trials, sheet)
 
 
 def _write_beside(options: argparse.Namespace, written: Written) -> None:

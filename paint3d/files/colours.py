@@ -1,4 +1,4 @@
-"""Colours as strangers' files have them: codes of vertices, materials and their pictures."""
+"""Colours in strangers' files: codes of vertices, materials and their pictures."""
 
 from __future__ import annotations
 
@@ -19,10 +19,9 @@ __all__ = [
     "NAMED_AS_COLOUR",
     "REPEAT",
     "VERTEX_COLOURS",
-    "WRAPS",
     "Look",
     "colour_codes",
-    "colour_shares",
+    "colour_fractions",
     "is_coloured",
     "linear_from_srgb",
     "open_picture",
@@ -55,22 +54,22 @@ BRIGHT = 16  # fractions up to here are too bright: as codes they would all be n
 def colour_codes(
     values: AnyArray, expected: int | None = None, whose: Message = VERTEX_COLOURS
 ) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
-    """Return colours (V, 3 or 4) of any type as sRGB codes (V, 3), and what was done to them.
+    """Return colours (V, 3 or 4) of any type as sRGB codes (V, 3), and notes on the conversion.
 
-    See `colour_shares`.
+    See `colour_fractions`.
     """
     if values.dtype == np.uint8 or not values.size:
         return np.ascontiguousarray(values[:, :3], np.uint8), ()
-    shares, notes = colour_shares(values, expected, whose)
-    return None if shares is None else np.floor(BYTE * shares + 0.5).astype(np.uint8), notes
+    fractions, notes = colour_fractions(values, expected, whose)
+    return None if fractions is None else np.floor(BYTE * fractions + 0.5).astype(np.uint8), notes
 
 
-def colour_shares(
+def colour_fractions(
     values: AnyArray, expected: int | None = None, whose: Message = VERTEX_COLOURS
 ) -> tuple[NDArray[np.float64] | None, tuple[Message, ...]]:
-    """Return colours of any type from 0 to 1, and what was done to them.
+    """Return colours of any type scaled to 0 to 1, and notes on the conversion.
 
-    Whether the numbers run to 1, 255, 65,535 or 2^32 - 1 is told by the numbers themselves, also
+    Whether the numbers run to 1, 255, 65,535 or 2^32 - 1 is seen from the numbers themselves, also
     those of opacities, which are 255 beside the darkest codes: many programs write codes of a byte
     as integers or floats of another size. A note says so where it is not the range that is
     expected. Colours that are not finite become white; what is a little
@@ -117,8 +116,8 @@ def colour_shares(
         )
     good = values[known]
     opacities = every[known, 3:]
-    told = np.concatenate([good, np.where(np.isfinite(opacities), opacities, 0.0)], axis=1)
-    end = _end_of_range(told, is_integer, expected)
+    rgba = np.concatenate([good, np.where(np.isfinite(opacities), opacities, 0.0)], axis=1)
+    end = _find_range(rgba, is_integer, expected)
     outside = ((good < 0.0) | (good > end + ROUNDING)).any(axis=1)
     if 2 * outside.sum() > len(good):
         return None, (
@@ -145,12 +144,12 @@ def colour_shares(
 
 
 def is_coloured(codes: NDArray[np.uint8] | None) -> bool:
-    """Whether there are colours, and not all of them white."""
+    """Return whether there are colours, and not all of them white."""
     return codes is not None and bool((codes < BYTE).any())
 
 
-def _end_of_range(good: NDArray[np.float64], is_integer: bool, expected: int) -> int:
-    """Where the range of finite colours ends: at 1, 255, 65,535 or 2^32 - 1."""
+def _find_range(good: NDArray[np.float64], is_integer: bool, expected: int) -> int:
+    """End of the range of finite colours: 1, 255, 65,535 or 2^32 - 1."""
     highest = good.max()
     if not is_integer:
         are_codes = highest > 1.0 + ROUNDING
@@ -167,13 +166,12 @@ def _end_of_range(good: NDArray[np.float64], is_integer: bool, expected: int) ->
 
 
 MAX_PIXELS = 1 << 26
-WRAPS = ("repeat", "clamp", "mirror")
 REPEAT = ("repeat", "repeat")
 
 
 @dataclass(frozen=True, eq=False)
 class Look:
-    """What a material says of its colour: a factor times a picture.
+    """Colour of a material: a factor times a picture.
 
     Attributes
     ----------
@@ -181,8 +179,8 @@ class Look:
         Linear, 0 to 1.
     picture : (H, W, 3) uint8 or None
         sRGB codes.
-    wrap : tuple of 2 of `WRAPS`
-        What becomes of places outside the picture, along its width and its height.
+    wrap : tuple of 2 of {"repeat", "clamp", "mirror"}
+        Treatment of positions outside the picture, along its width and its height.
     """
 
     factor: tuple[float, float, float] = (1.0, 1.0, 1.0)
@@ -190,7 +188,7 @@ class Look:
     wrap: tuple[str, str] = REPEAT
 
     def at(self, uv: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return linear colours (N, 3) at places (N, 2) counted from the upper left corner."""
+        """Return linear colours (N, 3) at points (N, 2) counted from the upper left corner."""
         if self.picture is None:
             return np.broadcast_to(np.array(self.factor, np.float64), (len(uv), 3))
         return sample_picture(self.picture, uv, self.wrap) * self.factor
@@ -203,10 +201,10 @@ class Look:
         return np.stack([codes[self.picture[..., k], k] for k in range(3)], axis=-1)
 
     def codes_at(self, uv: AnyArray) -> NDArray[np.uint8]:
-        """Return the sRGB codes (N, 3) of the picture's nearest pixels to places (N, 2)."""
+        """Return the sRGB codes (N, 3) of the picture's nearest pixels to points (N, 2)."""
         height, width = self._coded.shape[:2]
-        columns = _nearest(uv[:, 0], width, self.wrap[0])
-        rows = _nearest(uv[:, 1], height, self.wrap[1])
+        columns = _nearest_pixel(uv[:, 0], width, self.wrap[0])
+        rows = _nearest_pixel(uv[:, 1], height, self.wrap[1])
         result: NDArray[np.uint8] = self._coded.reshape(-1, 3)[rows * width + columns]
         return result
 
@@ -248,7 +246,7 @@ def open_picture(data: bytes) -> NDArray[np.uint8]:
 def sample_picture(
     picture: NDArray[np.uint8], uv: NDArray[np.float64], wrap: tuple[str, str] = REPEAT
 ) -> NDArray[np.float64]:
-    """Return linear colours (N, 3), 0 to 1, at places on a picture.
+    """Return linear colours (N, 3), 0 to 1, at points of a picture.
 
     Between four pixels the linear colours are mixed.
 
@@ -259,13 +257,13 @@ def sample_picture(
     uv : (N, 2) float64
         From the upper left corner, 0 to 1 over width and height. Places that are not finite
         count as the corner.
-    wrap : tuple of 2 of `WRAPS`
+    wrap : tuple of 2 of {"repeat", "clamp", "mirror"}
         Outside, the picture repeats, ends in its border's colour, or is mirrored.
     """
     table = linear_from_srgb(np.arange(256, dtype=np.uint8))
     uv = np.where(np.isfinite(uv), uv, 0.0)
-    columns, across = _pixels(uv[:, 0], picture.shape[1], wrap[0])
-    rows, down = _pixels(uv[:, 1], picture.shape[0], wrap[1])
+    columns, across = _pixel_pair(uv[:, 0], picture.shape[1], wrap[0])
+    rows, down = _pixel_pair(uv[:, 1], picture.shape[0], wrap[1])
     colour = np.zeros((len(uv), 3))
     for dx in (0, 1):
         for dy in (0, 1):
@@ -274,28 +272,28 @@ def sample_picture(
     return colour
 
 
-def _nearest(places: AnyArray, n: int, wrap: str) -> NDArray[np.int64]:
-    """Return the pixels (N,) of n in which places lie."""
+def _nearest_pixel(positions: AnyArray, n: int, wrap: str) -> NDArray[np.int64]:
+    """Return the pixels (N,) of n in which coordinates lie."""
     if wrap == "mirror":
-        places = 1.0 - np.abs(places % 2.0 - 1.0)
-    pixel = np.floor(places * n).astype(np.int64)
+        positions = 1.0 - np.abs(positions % 2.0 - 1.0)
+    pixel = np.floor(positions * n).astype(np.int64)
     result: NDArray[np.int64] = pixel % n if wrap == "repeat" else np.clip(pixel, 0, n - 1)
     return result
 
 
-def _pixels(places: NDArray[np.float64], n: int, wrap: str) -> tuple[AnyArray, AnyArray]:
-    """Return the two pixels (2, N) of n between which places lie, and the share of the second."""
+def _pixel_pair(positions: NDArray[np.float64], n: int, wrap: str) -> tuple[AnyArray, AnyArray]:
+    """Return the two pixels (2, N) of n around coordinates, and the weight of the second."""
     if wrap == "mirror":
-        places = 1.0 - np.abs(places % 2.0 - 1.0)
+        positions = 1.0 - np.abs(positions % 2.0 - 1.0)
     elif wrap == "clamp":
-        places = np.clip(places, 0.0, 1.0)
+        positions = np.clip(positions, 0.0, 1.0)
     else:
-        places = places % 1.0
-    places = places * n - 0.5
-    low = np.floor(places).astype(np.int64)
+        positions = positions % 1.0
+    positions = positions * n - 0.5
+    low = np.floor(positions).astype(np.int64)
     pair = np.stack([low, low + 1])
     pair = pair % n if wrap == "repeat" else np.clip(pair, 0, n - 1)
-    return pair, places - low
+    return pair, positions - low
 
 
 def linear_from_srgb(codes: NDArray[np.uint8]) -> NDArray[np.float64]:

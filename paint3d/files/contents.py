@@ -52,7 +52,7 @@ def read_contents(path: Path, most: int = MAX_BYTES) -> bytes:
     packing = PACKED.get(path.suffix.lower())
     try:
         with packing(path) if packing else open(path, "rb") as file:
-            data = b"".join(_pieces(file, most))
+            data = b"".join(_read_pieces(file, most))
     except (OSError, EOFError, zlib.error) as cause:
         raise MeshError("cannot read it: {cause}", cause=cause) from None
     if len(data) > most:
@@ -62,7 +62,7 @@ def read_contents(path: Path, most: int = MAX_BYTES) -> bytes:
     return data
 
 
-def _pieces(file: BinaryIO, most: int) -> Iterator[bytes]:
+def _read_pieces(file: BinaryIO, most: int) -> Iterator[bytes]:
     """Yield a file piece by piece (one big read would take its memory beforehand)."""
     left = most + 1
     while left > 0 and (piece := file.read(min(PIECE, left))):
@@ -88,9 +88,9 @@ def read_beside(folder: Path, name: str, most: int = MAX_BYTES) -> bytes:
     shown = repr(name[:80])
     top = os.path.realpath(folder)
     try:
-        found = path_beside(top, name)
-        inside = os.path.commonpath([top, found]) == top
-        there = inside and os.path.isfile(found)
+        file = path_beside(top, name)
+        inside = os.path.commonpath([top, file]) == top
+        there = inside and os.path.isfile(file)
     except ValueError:  # a NUL in the name
         raise MeshError("it refers to {shown}, which is no file name", shown=shown) from None
     if not inside:
@@ -100,11 +100,11 @@ def read_beside(folder: Path, name: str, most: int = MAX_BYTES) -> bytes:
         )
     if not there:
         raise MeshError("it refers to {shown}, which is missing", shown=shown)
-    return read_contents(Path(found), most)
+    return read_contents(Path(file), most)
 
 
 def path_beside(folder: str, name: str) -> str:
-    """Where a relative path or URI leads from a folder, through links.
+    """Resolve a relative path or URI from a folder, through links.
 
     Raises
     ------
@@ -125,8 +125,8 @@ def plain_text(data: bytes) -> bytes:
     MeshError
         If the text is not what its mark says.
     """
-    found = next(((mark, name) for mark, name in MARKS if data.startswith(mark)), None)
-    mark, encoding = found or (b"", _unmarked(data[:SHOWN_ZEROS]))
+    marked = next(((mark, name) for mark, name in MARKS if data.startswith(mark)), None)
+    mark, encoding = marked or (b"", _guess_encoding(data[:SHOWN_ZEROS]))
     try:
         data = data[len(mark) :]
         if encoding.startswith("utf-16"):
@@ -140,7 +140,7 @@ def plain_text(data: bytes) -> bytes:
     return data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
 
 
-def _unmarked(start: bytes) -> str:
+def _guess_encoding(start: bytes) -> str:
     if len(start) >= 8 and not any(start[1::2]) and all(start[::2]):
         return "utf-16-le"
     if len(start) >= 8 and not any(start[::2]) and all(start[1::2]):

@@ -1,4 +1,4 @@
-"""A mesh made fine enough to show the pictures of its materials by the colours of its vertices.
+"""Refinement of a mesh until the colours of its vertices show its materials' pictures.
 
 Triangles are halved at their longest edges where straight lines between their corners' colours
 miss the picture, the most visible first, until the picture is met, its pixels are reached, or
@@ -26,10 +26,10 @@ _FINEST = 1.0 / 1500.0  # of the object's size: shorter edges are not halved
 _PIXEL = 0.8  # pixels: nor are edges that are so short on the picture
 _SEAM = 24  # codes: corners of a vertex that differ by more do not share a colour
 _ROUNDS = 40
-_FARTHEST = 1e4  # pictures side by side: places farther out are damaged, and count as unknown
+_FARTHEST = 1e4  # pictures side by side: coordinates farther out are damaged, and count as unknown
 _CREASE_ANGLE = np.deg2rad(40.0)  # as `paint3d.mesh.base_surface` has it
 _GRIDS = (2, 4, 8, 16, 24)  # steps along an edge at which a triangle's picture is looked at
-_AT_ONCE = 1 << 20  # places
+_AT_ONCE = 1 << 20  # points
 
 
 class Draped(NamedTuple):
@@ -59,14 +59,14 @@ class Pictured(NamedTuple):
 
 
 class _Mesh:
-    """Triangles that are being halved.
+    """A triangle mesh under refinement by bisection.
 
     Attributes
     ----------
     points : (W, 3) float64
         Distinct positions.
-    place : (V,) int64
-        Position of each vertex; several may have the same.
+    point_of : (V,) int64
+        Index of each vertex's position in `points`; several may have the same.
     faces : (F, 3) int64
         Vertices.
     uv : (F, 3, 2) float64
@@ -85,14 +85,14 @@ class _Mesh:
     ) -> None:
         single = np.ascontiguousarray(vertices, np.float32) + np.float32(0.0)
         rows = single.view([("x", "f4"), ("y", "f4"), ("z", "f4")]).ravel()
-        _, first, self.place = np.unique(rows, return_index=True, return_inverse=True)
+        _, first, self.point_of = np.unique(rows, return_index=True, return_inverse=True)
         self.points = single[first].astype(np.float64)
         self.faces, self.uv, self.look, self.own = faces, uv, look, own
         self.error = np.full(len(faces), np.nan)
 
     def lengths(self) -> NDArray[np.float64]:
         """(F, 3) float64: of the edges from each corner to the next."""
-        corners = self.points[self.place[self.faces]]
+        corners = self.points[self.point_of[self.faces]]
         result: NDArray[np.float64] = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
         return result
 
@@ -106,7 +106,7 @@ class _Mesh:
 
     def edges(self) -> tuple[NDArray[np.int64], int]:
         """(F, 3) int64 edges from each corner to the next, alike where positions are; how many."""
-        ends = self.place[self.faces]
+        ends = self.point_of[self.faces]
         after = np.roll(ends, -1, axis=1)
         code = np.minimum(ends, after) * len(self.points) + np.maximum(ends, after)
         known, ids = np.unique(code.ravel(), return_inverse=True)
@@ -128,7 +128,7 @@ class _Mesh:
         middle, ends = self._middles(faces, position[ids], marked[ids])
         new_points = np.empty((np.count_nonzero(marked), 3))
         new_points[position[ids[marked[ids]]] - len(self.points)] = self.points[
-            self.place[ends]
+            self.point_of[ends]
         ].mean(axis=1)
         halfway = 0.5 * (uv + np.roll(uv, -1, axis=1))
         a, b, c = ((faces[:, k], uv[:, k]) for k in range(3))
@@ -137,7 +137,7 @@ class _Mesh:
         every: tuple[tuple[Any, AnyArray], ...]
         every = ((a, ab, c), ~third), ((a, ab, ca), third), ((ca, ab, c), third)
         every += ((ab, b, c), ~second), ((ab, b, bc), second), ((ab, bc, c), second)
-        parts += [_part(corners, chosen, rows) for corners, chosen in every]
+        parts += [_make_part(corners, chosen, rows) for corners, chosen in every]
         self.points = np.concatenate([self.points, new_points])
         origin = np.concatenate([p.rows for p in parts])
         self.faces = np.concatenate([p.faces for p in parts])
@@ -151,13 +151,13 @@ class _Mesh:
         """New vertices (F, 3) on the marked edges (-1: none), and the ends (M, 2) of each."""
         after = np.roll(faces, -1, axis=1)
         low, high = np.minimum(faces, after)[marked], np.maximum(faces, after)[marked]
-        code = low * len(self.place) + high
+        code = low * len(self.point_of) + high
         _, first, which = np.unique(code, return_index=True, return_inverse=True)
         middle = np.full(faces.shape, -1, np.int64)
-        middle[marked] = len(self.place) + which
+        middle[marked] = len(self.point_of) + which
         own = 0.5 * (self.own[low[first]] + self.own[high[first]])
         self.own = np.concatenate([self.own, own])
-        self.place = np.concatenate([self.place, position[marked][first]])
+        self.point_of = np.concatenate([self.point_of, position[marked][first]])
         return middle, np.stack([low, high], axis=1)
 
 
@@ -168,9 +168,11 @@ class _Part(NamedTuple):
     error: AnyArray
 
 
-def _part(corners: Sequence[tuple[AnyArray, AnyArray]], chosen: AnyArray, rows: AnyArray) -> _Part:
+def _make_part(
+    corners: Sequence[tuple[AnyArray, AnyArray]], chosen: AnyArray, rows: AnyArray
+) -> _Part:
     faces = np.stack([vertex[chosen] for vertex, _ in corners], axis=1)
-    uv = np.stack([place[chosen] for _, place in corners], axis=1)
+    uv = np.stack([position[chosen] for _, position in corners], axis=1)
     return _Part(faces, uv, rows[chosen], np.full(len(faces), np.nan))
 
 
@@ -224,20 +226,20 @@ def show_pictures(
     sizes = np.array([one.texels() for one in looks], np.float64)
     if sizes.any():
         if normals is None:
-            _smooth(mesh)
+            _smooth_normals(mesh)
         _refine(mesh, looks, sizes, n + most)
-    return _coloured(mesh, looks, sizes, normals is not None or bool(sizes.any()))
+    return _colour_vertices(mesh, looks, sizes, normals is not None or bool(sizes.any()))
 
 
-def _smooth(mesh: _Mesh) -> None:
-    """Give corners the normals of the mesh as it is, so that its flat parts stay as round.
+def _smooth_normals(mesh: _Mesh) -> None:
+    """Copy the normals of the coarse mesh to corners, so that its flat parts stay as round.
 
     Faces that turn by less than 40 degrees share them.
     """
     from scipy.sparse import coo_matrix
     from scipy.sparse.csgraph import connected_components
 
-    corners = mesh.points[mesh.place[mesh.faces]]
+    corners = mesh.points[mesh.point_of[mesh.faces]]
     unit = face_normals(corners)
     edges, _ = mesh.edges()
     order = np.argsort(edges.ravel(), kind="stable")
@@ -246,7 +248,7 @@ def _smooth(mesh: _Mesh) -> None:
     smooth = np.einsum("ij,ij->i", unit[one // 3], unit[two // 3]) > np.cos(_CREASE_ANGLE)
     one, two = one[smooth], two[smooth]
     after = np.array([1, 2, 0])
-    ends = mesh.place[mesh.faces].ravel()
+    ends = mesh.point_of[mesh.faces].ravel()
     one_next, two_next = one - one % 3 + after[one % 3], two - two % 3 + after[two % 3]
     against = ends[one] == ends[two_next]  # as neighbours are, unless one is inside out
     links = (
@@ -262,8 +264,8 @@ def _smooth(mesh: _Mesh) -> None:
     _, group = connected_components(graph, directed=False)
     weighted = _angles(corners).reshape(-1, 1) * np.repeat(unit, 3, axis=0)
     normals = np.stack([np.bincount(group, weighted[:, k]) for k in range(3)], axis=1)
-    faces, source = _split(mesh.faces, group, len(mesh.place))
-    mesh.own, mesh.place = mesh.own[source], mesh.place[source]
+    faces, source = _split(mesh.faces, group, len(mesh.point_of))
+    mesh.own, mesh.point_of = mesh.own[source], mesh.point_of[source]
     mesh.own[faces.ravel(), 3:] = normals[group]
     mesh.own[:, 3:] /= np.maximum(np.linalg.norm(mesh.own[:, 3:], axis=1, keepdims=True), 1e-300)
     mesh.faces = faces
@@ -279,7 +281,7 @@ def _angles(corners: AnyArray) -> AnyArray:
 
 
 def _split(faces: AnyArray, key: AnyArray, n: int) -> tuple[AnyArray, AnyArray]:
-    """Faces on vertices whose corners have one key (3 F,) each, and whose copies they are (K,).
+    """Split vertices whose corners have different keys (3 F,); return faces and sources (K,).
 
     Of a vertex (n,) that becomes several, one keeps its number.
     """
@@ -299,14 +301,14 @@ def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, most: int) -> N
     for _ in range(_ROUNDS):
         pixels = mesh.pixel_lengths(sizes)
         fresh = np.flatnonzero(np.isnan(mesh.error))
-        mesh.error[fresh] = _misses(mesh, fresh, looks, pixels[fresh].max(axis=1))
+        mesh.error[fresh] = _measure_misses(mesh, fresh, looks, pixels[fresh].max(axis=1))
         lengths = mesh.lengths()
         longest = lengths.argmax(axis=1)
         span = lengths.max(axis=1)
         wanted = mesh.error > _SEEN
         wanted &= (span > 2.0 * finest) & (pixels.max(axis=1) > 2.0 * _PIXEL)
-        room = most - len(mesh.place)
-        if not wanted.any() or room < 16:
+        remaining = most - len(mesh.point_of)
+        if not wanted.any() or remaining < 16:
             return
         edges, n_edges = mesh.edges()
         rows = np.arange(len(edges))
@@ -314,7 +316,7 @@ def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, most: int) -> N
         worst = np.argsort(-(mesh.error[chosen] * span[chosen] ** 2), kind="stable")
         marked = np.zeros(n_edges, bool)
         # halving one face halves its neighbours too: about one new vertex for each that is chosen
-        marked[edges[rows, longest][chosen[worst[:room]]]] = True
+        marked[edges[rows, longest][chosen[worst[:remaining]]]] = True
         while True:
             more = marked[edges].any(axis=1) & ~marked[edges[rows, longest]]
             if not more.any():
@@ -323,15 +325,17 @@ def _refine(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, most: int) -> N
         mesh.halve(edges, marked, longest)
 
 
-def _misses(mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArray) -> AnyArray:
-    """By how many codes the faces (N,) would miss their pictures, as far as looked; (N,) f32.
+def _measure_misses(
+    mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArray
+) -> AnyArray:
+    """Error of the faces (N,) against their pictures, in codes; (N,) f32.
 
     Those that miss theirs at the first look are not looked at again.
     """
     missed = np.zeros(len(faces), np.float32)
     for steps in (_GRIDS[:1], _GRIDS):
         open_ones = np.flatnonzero((missed <= _SEEN) & ((pixels > 1.0) | (steps is not _GRIDS)))
-        for some, weights, seen in _looked_at(
+        for some, weights, seen in _sample_faces(
             mesh, faces[open_ones], looks, pixels[open_ones], steps
         ):
             rows = open_ones[some]
@@ -350,12 +354,12 @@ def _corner_codes(mesh: _Mesh, faces: AnyArray, looks: Sequence[Look]) -> NDArra
     return srgb_from_linear(linear).reshape(-1, 3, 3).swapaxes(0, 1).astype(np.float32)
 
 
-def _looked_at(
+def _sample_faces(
     mesh: _Mesh, faces: AnyArray, looks: Sequence[Look], pixels: AnyArray, grids: tuple[int, ...]
 ) -> Iterator[tuple[AnyArray, AnyArray, AnyArray]]:
     """Yield rows (N,), weights (K, 3) of the corners, and sRGB codes (K, N, 3) f32 seen there.
 
-    The first three places are the corners; steps are about as many as pixels.
+    The first three points are the corners; steps are about as many as pixels.
     """
     steps = np.searchsorted(grids[:-1], pixels)
     for which, one in enumerate(looks):
@@ -363,16 +367,16 @@ def _looked_at(
             continue
         for k, n in enumerate(grids):
             rows = np.flatnonzero((mesh.look[faces] == which) & (steps == k))
-            weights = _grid(n)
-            share = max(1, _AT_ONCE // len(weights))
-            for start in range(0, len(rows), share):
-                some = rows[start : start + share]
-                places = np.tensordot(weights, mesh.uv[faces[some]].swapaxes(0, 1), 1)
-                codes = one.codes_at(places.reshape(-1, 2)).reshape(len(weights), -1, 3)
+            weights = _grid_weights(n)
+            batch = max(1, _AT_ONCE // len(weights))
+            for start in range(0, len(rows), batch):
+                some = rows[start : start + batch]
+                positions = np.tensordot(weights, mesh.uv[faces[some]].swapaxes(0, 1), 1)
+                codes = one.codes_at(positions.reshape(-1, 2)).reshape(len(weights), -1, 3)
                 yield some, weights.astype(np.float32), codes.astype(np.float32)
 
 
-def _grid(n: int) -> NDArray[np.float64]:
+def _grid_weights(n: int) -> NDArray[np.float64]:
     """Barycentric weights (K, 3) of a grid of n steps, the corners first."""
     i, j = np.meshgrid(np.arange(n + 1), np.arange(n + 1), indexing="ij")
     inside = i + j <= n
@@ -381,16 +385,18 @@ def _grid(n: int) -> NDArray[np.float64]:
     return np.concatenate([np.eye(3), weights[~corner]])
 
 
-def _coloured(mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, with_normals: bool) -> Pictured:
+def _colour_vertices(
+    mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, with_normals: bool
+) -> Pictured:
     corners = _corner_colours(mesh, looks)
     linear = _means_where_coarse(mesh, looks, sizes, corners)
-    faces, source, seen = _vertices(mesh.faces, linear, len(mesh.place))
+    faces, source, seen = _split_seams(mesh.faces, linear, len(mesh.point_of))
     colours = srgb_from_linear(seen * mesh.own[source, :3])
     normals = mesh.own[source, 3:] if with_normals else None
     if normals is not None:
         length = np.linalg.norm(normals, axis=1, keepdims=True)
         normals /= np.where(length > 0.0, length, 1.0)
-    return Pictured(mesh.points[mesh.place[source]], faces, colours, normals)
+    return Pictured(mesh.points[mesh.point_of[source]], faces, colours, normals)
 
 
 def _corner_colours(mesh: _Mesh, looks: Sequence[Look]) -> NDArray[np.float64]:
@@ -405,15 +411,15 @@ def _corner_colours(mesh: _Mesh, looks: Sequence[Look]) -> NDArray[np.float64]:
 def _means_where_coarse(
     mesh: _Mesh, looks: Sequence[Look], sizes: AnyArray, corners: AnyArray
 ) -> AnyArray:
-    """The corners' colours; around faces that miss their picture still, means of what is there."""
+    """The corners' colours; means of the picture around faces that still miss it."""
     pixels = mesh.pixel_lengths(sizes).max(axis=1)
     coarse = np.flatnonzero((mesh.error > 2.0 * _SEEN) & (pixels > 2.0 * _PIXEL))
     if not len(coarse):
         return corners
-    total, weight = np.zeros((len(mesh.place), 3)), np.zeros(len(mesh.place))
+    total, weight = np.zeros((len(mesh.point_of), 3)), np.zeros(len(mesh.point_of))
     pixels = pixels[coarse]
     table = linear_from_srgb(np.arange(256, dtype=np.uint8)).astype(np.float32)
-    for rows, weights, seen in _looked_at(mesh, coarse, looks, pixels, _GRIDS[:3]):
+    for rows, weights, seen in _sample_faces(mesh, coarse, looks, pixels, _GRIDS[:3]):
         near = weights**2
         ids = mesh.faces[coarse[rows]]
         mean = np.tensordot((near / near.sum(axis=0)).T, table[seen.astype(np.uint8)], 1)
@@ -428,8 +434,8 @@ def _means_where_coarse(
     return colours
 
 
-def _vertices(faces: AnyArray, linear: AnyArray, n: int) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Faces on vertices of one colour each, whose copies they are (K,), linear colours (K, 3).
+def _split_seams(faces: AnyArray, linear: AnyArray, n: int) -> tuple[AnyArray, AnyArray, AnyArray]:
+    """Split vertices at colour seams; return faces, sources (K,), and linear colours (K, 3).
 
     A vertex whose corners differ visibly becomes several; those that no face uses are white.
     """

@@ -1,4 +1,4 @@
-"""A painting to a file, in the format its suffix names."""
+"""Export of a painting to a file, in the format its suffix names."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ ANY_MESH = frozenset({"unit", "up_axis", "filaments"})
 
 
 class Format(NamedTuple):
-    """How a format is written, what it takes as unit and up axis, and which wishes it knows."""
+    """Writer of a format, its unit and up axis, and the options it knows."""
 
     write: Callable[[Path, Painting, ExportOptions, str], None]
     unit: str = "mm"
@@ -68,7 +68,7 @@ def export(
     options : ExportOptions, optional
         How the file is to be written; without, what is right in its format.
     progress : callable, optional
-        Called with about the share done, now and then; what it raises leaves everything as it was.
+        Called with about the fraction done; what it raises leaves everything as it was.
 
     Raises
     ------
@@ -89,7 +89,14 @@ def export(
     path = Path(path)
     suffix = check_export_path(path)
     if suffix == SESSION_SUFFIX:
-        _save(surface, path, progress)
+        if not isinstance(surface, PaintedSurface):
+            kind = type(surface).__name__
+            raise ExportError(
+                "{file}: a session holds a PaintedSurface; got a {kind}",
+                file=path,
+                kind=kind,
+            )
+        save_session(Session(surface), path, progress)
         return
     wishes = options or ExportOptions()
     prepared = prepare_export(surface, path, wishes, part_of(progress, 0.0, 0.6))
@@ -98,7 +105,7 @@ def export(
 
 @dataclass(frozen=True, eq=False)
 class PreparedExport:
-    """What is to be written, taken from a surface that may be painted on meanwhile."""
+    """Data of an export, taken from a surface that may be painted on meanwhile."""
 
     path: Path
     suffix: str
@@ -106,14 +113,14 @@ class PreparedExport:
     painting: Painting | Untextured
 
     def into(self, path: Path) -> PreparedExport:
-        """The same painting, to be written to another file and in its format.
+        """The same painting, prepared for another file and its format.
 
         Raises
         ------
         ExportError
             If the suffix is not known, or the format cannot do what is asked.
         """
-        suffix = _checked_suffix(path, self.options)
+        suffix = _check_suffix(path, self.options)
         return replace(self, path=path, suffix=suffix)
 
     def write(self, progress: Progress | None = None) -> None:
@@ -122,7 +129,7 @@ class PreparedExport:
         Parameters
         ----------
         progress : callable, optional
-            Called with the share done now and then, and with 1 before the file takes its place;
+            Called with the fraction done now and then, and with 1 before the file takes its place;
             what it raises leaves everything as it was.
 
         Raises
@@ -131,16 +138,16 @@ class PreparedExport:
             If the file cannot be written.
         """
         form, options, painting = FORMATS[self.suffix], self.options, self.painting
-        told = part_of(progress, 0.0, 0.3) or (lambda share: None)
-        told(0.0)
+        report = part_of(progress, 0.0, 0.3) or (lambda fraction: None)
+        report(0.0)
         if isinstance(painting, Untextured):
             painting = painting.baked()
-        told(0.5)
+        report(0.5)
         unit = options.unit or form.unit
-        painting = painting.placed(unit, options.up_axis or form.up_axis)
+        painting = painting.converted(unit, options.up_axis or form.up_axis)
         material = plain_name(painting.material)
         title = plain_name(self.path.name[: -len(self.suffix)]) or material
-        told(1.0)
+        report(1.0)
         with write_atomically(self.path, progress) as temporary:
             form.write(temporary, painting._replace(title=title, material=material), options, unit)
 
@@ -160,7 +167,7 @@ def prepare_export(
         Its suffix is that of one of `FORMATS`.
     options : ExportOptions
     progress : callable, optional
-        Called with the share done, now and then; what it raises stops it.
+        Called with the fraction done, now and then; what it raises stops it.
 
     Raises
     ------
@@ -168,11 +175,11 @@ def prepare_export(
         If the suffix is not known, or the format cannot do what is asked.
     """
     path = Path(path)
-    suffix = _checked_suffix(path, options)
+    suffix = _check_suffix(path, options)
     return PreparedExport(path, suffix, options, read_painting(surface, options, progress))
 
 
-def _checked_suffix(path: Path, options: ExportOptions) -> str:
+def _check_suffix(path: Path, options: ExportOptions) -> str:
     suffix = check_export_path(path)
     if suffix not in FORMATS:
         raise ExportError(
@@ -180,19 +187,12 @@ def _checked_suffix(path: Path, options: ExportOptions) -> str:
             file=path,
             formats=" ".join(FORMATS),
         )
-    options.refuse_others(FORMATS[suffix].takes, suffix, _formats_by_wish())
+    wishes = {wish for form in FORMATS.values() for wish in form.takes}
+    formats = {
+        wish: " ".join(s for s, form in FORMATS.items() if wish in form.takes) for wish in wishes
+    }
+    options.refuse_others(FORMATS[suffix].takes, suffix, formats)
     return suffix
-
-
-def _save(surface: Exportable | TriangleMesh, path: Path, progress: Progress | None = None) -> None:
-    if not isinstance(surface, PaintedSurface):
-        kind = type(surface).__name__
-        raise ExportError(
-            "{file}: a session holds a PaintedSurface; got a {kind}",
-            file=path,
-            kind=kind,
-        )
-    save_session(Session(surface), path, progress)
 
 
 def check_export_path(path: str | os.PathLike[str]) -> str:
@@ -231,14 +231,7 @@ def check_export_path(path: str | os.PathLike[str]) -> str:
     return suffix
 
 
-def _formats_by_wish() -> dict[str, str]:
-    wishes = {wish for form in FORMATS.values() for wish in form.takes}
-    return {
-        wish: " ".join(s for s, form in FORMATS.items() if wish in form.takes) for wish in wishes
-    }
-
-
-# Each imports its own writer, since most who write write one format.
+# Each function imports its writer by itself, since most programs write one format.
 
 
 def _write_ply(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
@@ -298,14 +291,14 @@ def _write_usdz(path: Path, painting: Painting, options: ExportOptions, unit: st
 
 
 def _write_records(path: Path, painting: Painting, options: ExportOptions, unit: str) -> None:
-    from paint3d.files.formats.records import standing_place, write_records
+    from paint3d.files.formats.records import standing_position, write_records
 
     arrays = painting.vertices, painting.normals, painting.srgb
     write_records(
         path,
         *arrays,
         faces=painting.faces,
-        initial_position=standing_place(painting.vertices),
+        initial_position=standing_position(painting.vertices),
         packed=options.packed_normals,
     )
 

@@ -1,4 +1,4 @@
-"""What can be asked of an export, checked before any work."""
+"""Options of an export, checked before any work."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ HEX = re.compile(r"#?([0-9a-fA-F]{6})")
 
 @dataclass(frozen=True)
 class ExportOptions:
-    """Wishes about a file; None stands for what is right in its format.
+    """Options of a file; None stands for the format's default.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class ExportOptions:
                 raise InputError("texture and filaments exclude each other; expected one of them")
 
     def refuse_others(self, takes: frozenset[str], suffix: str, formats: dict[str, str]) -> None:
-        """Refuse wishes that a format cannot fulfil.
+        """Refuse options that a format does not support.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""For printers with a few filaments: one of k colours for every triangle.
+"""Colour reduction for printers with a few filaments: one of k colours for every triangle.
 
 The colours of a painting are gathered into clusters in CIE L*a*b*, every colour weighted by the
 area that shows it (k-means from the colours farthest apart, so that a little cinnabar is not lost
@@ -26,14 +26,14 @@ ROUNDS = 50
 # In L*a*b*: how much nearer a mixture of two has to be than one filament alone, and how far from it
 # the nearest filament lies that is none of its kind. Of more than so many the nearest is taken.
 _ALONE, _ASIDE, _MOST_MIXED = 2.0, 8.0, 16
-NEGLIGIBLE = 1e-4  # share of the area below which a colour cannot start a cluster
+NEGLIGIBLE = 1e-4  # fraction of the area below which a colour cannot start a cluster
 
 
 class Filaments(NamedTuple):
-    """Filament colours, and the one for each of the colours that there were."""
+    """Filament colours, and the index of the one for each colour."""
 
     palette: NDArray[np.uint8]  # (k, 3) sRGB, the one that covers most first
-    chosen: NDArray[np.int32]  # (V,) place in the palette
+    chosen: NDArray[np.int32]  # (V,) index into the palette
 
 
 def choose_filaments(
@@ -54,20 +54,20 @@ def choose_filaments(
     Filaments
     """
     packed = srgb.astype(np.int64) @ np.array([65536, 256, 1])
-    colours, place = np.unique(packed, return_inverse=True)
+    colours, index = np.unique(packed, return_inverse=True)
     codes = (colours[:, None] >> np.array([16, 8, 0]) & 255).astype(np.uint8)
-    weights = np.bincount(place, weights=areas, minlength=len(codes))
+    weights = np.bincount(index, weights=areas, minlength=len(codes))
     if isinstance(wanted, int):
         palette = _cluster(codes, weights, wanted)
     else:
         rgb = [bytes.fromhex(colour.lstrip("#")) for colour in wanted]
         palette = np.frombuffer(b"".join(rgb), np.uint8).reshape(-1, 3)
-    nearest = _painted_with(codes, palette)
+    nearest = _choose_shown(codes, palette)
     cover = np.bincount(nearest, weights=weights, minlength=len(palette))
     order = np.argsort(-cover, kind="stable") if isinstance(wanted, int) else np.arange(len(cover))
     rank = np.empty(len(order), np.int32)
     rank[order] = np.arange(len(order), dtype=np.int32)
-    return Filaments(palette[order], rank[nearest][place])
+    return Filaments(palette[order], rank[nearest][index])
 
 
 def _cluster(codes: NDArray[np.uint8], weights: AnyArray, k: int) -> NDArray[np.uint8]:
@@ -102,15 +102,15 @@ def _means(linear: AnyArray, weights: AnyArray, belongs: AnyArray, k: int) -> An
 
 
 def _nearest(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np.int32]:
-    """Place in the palette (n,) of what looks most like each colour."""
+    """Index into the palette (n,) of the perceptually nearest colour."""
     lab, filaments = lab_from_srgb(codes), lab_from_srgb(palette)
     gaps = [delta_e(lab, filament[None]) for filament in filaments]
     result: NDArray[np.int32] = np.argmin(gaps, axis=0).astype(np.int32)
     return result
 
 
-def _painted_with(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np.int32]:
-    """Place in the palette (n,) of the filament that each colour shows, or shows most of.
+def _choose_shown(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArray[np.int32]:
+    """Index into the palette (n,) of the filament that each colour shows, or shows most of.
 
     At an edge a vertex shows two of them: black over white is grey there, which looks like teal
     before it looks like either. So a colour is one filament or a mixture of two, as light, whatever
@@ -124,24 +124,30 @@ def _painted_with(codes: NDArray[np.uint8], palette: NDArray[np.uint8]) -> NDArr
     linear, filaments = decode_srgb(codes), decode_srgb(palette)
     best, gap = nearest, np.linalg.norm(lab - known[nearest], axis=1) - _ALONE
     for a, b in combinations(range(len(palette)), 2):
-        share, apart = _mixed(linear, lab, filaments[a], filaments[b])
-        aside = _mixed(filaments, known, filaments[a], filaments[b])[1] > _ASIDE
+        fraction, apart = _nearest_mixture(linear, lab, filaments[a], filaments[b])
+        aside = _nearest_mixture(filaments, known, filaments[a], filaments[b])[1] > _ASIDE
         aside[[a, b]] = True
         nearer = aside[nearest] & (apart < gap)
         gap = np.where(nearer, apart, gap)
-        best = np.where(nearer, np.where(share > 0.5, b, a), best).astype(np.int32)
+        best = np.where(nearer, np.where(fraction > 0.5, b, a), best).astype(np.int32)
     return best
 
 
-def _mixed(linear: AnyArray, lab: AnyArray, a: AnyArray, b: AnyArray) -> tuple[AnyArray, AnyArray]:
-    """Share of b in the mixture of a and b that is nearest as light, and how far it is off, in Lab.
+def _nearest_mixture(
+    linear: AnyArray, lab: AnyArray, a: AnyArray, b: AnyArray
+) -> tuple[AnyArray, AnyArray]:
+    """Fraction of b in the mixture of a and b that is nearest as light, and its distance in Lab.
 
     Of n colours, (n, 3); a and b are linear.
     """
-    way = b - a
-    share = np.clip((linear - a) @ way / max(float(way @ way), 1e-12), 0.0, 1.0)
-    gap: AnyArray = np.linalg.norm(lab - lab_from_linear_rgb(a + share[:, None] * way), axis=1)
-    return share, gap
+    direction = b - a
+    fraction = np.clip(
+        (linear - a) @ direction / max(float(direction @ direction), 1e-12), 0.0, 1.0
+    )
+    gap: AnyArray = np.linalg.norm(
+        lab - lab_from_linear_rgb(a + fraction[:, None] * direction), axis=1
+    )
+    return fraction, gap
 
 
 def choose_for_triangles(
@@ -172,9 +178,9 @@ def split_by_filament(
     filaments : (K,) int32
     """
     keys = faces.astype(np.int64) * n_filaments + face_filaments[:, None]
-    unique, place = np.unique(keys, return_inverse=True)
+    unique, index = np.unique(keys, return_inverse=True)
     return (
         unique // n_filaments,
-        place.reshape(-1, 3).astype(np.int32),
+        index.reshape(-1, 3).astype(np.int32),
         (unique % n_filaments).astype(np.int32),
     )

@@ -1,4 +1,4 @@
-"""What a file says of how an object looks, apart from its shape."""
+"""Appearance of an object in a file, apart from its shape."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["Finish", "Texture"]
 
 
 class Finish(NamedTuple):
-    """The material: its name, its roughness, 0 to 1, and where it is not one all over each place's.
+    """The material: its name, its roughness, 0 to 1, and where it varies each vertex's.
 
     Places are vertices (V,), or texels (H, W) where colours are in a texture.
     """
@@ -24,7 +24,7 @@ class Finish(NamedTuple):
 
 
 class Texture(NamedTuple):
-    """Colours in a picture: places (V, 2) from its top left, 0 to 1; sRGB (H, W, 3).
+    """Colours in a picture: coordinates (V, 2) from its top left, 0 to 1; sRGB (H, W, 3).
 
     `look` is how wet and glossy each texel (H, W) is, None where all are as the material; the
     colours are as they are seen.

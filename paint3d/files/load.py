@@ -17,7 +17,7 @@ from paint3d.files.reading import (
     MESH_SUFFIXES,
     UNITS_MM,
     Reading,
-    Wanted,
+    ReadOptions,
     read_surface,
     read_surface_apart,
     take_object,
@@ -48,7 +48,7 @@ Foreign: TypeAlias = Any
 
 
 def is_built_in(name: str) -> bool:
-    """Whether a name says a built-in object or a sheet."""
+    """Return whether a name is that of a built-in object or a sheet."""
     return name in BUILT_IN_OBJECTS or is_sheet(name)
 
 
@@ -95,7 +95,7 @@ def load_mesh(
         y), and z for formats that say nothing. With "auto" those are guessed from how the object
         would stand, and the logger says what was taken for up; where that is not sure, it is z.
     progress : callable, optional
-        Called with about the share done, now and then; what it raises stops it.
+        Called with about the fraction done, now and then; what it raises stops it.
 
     Returns
     -------
@@ -136,7 +136,7 @@ def read_mesh(
     up: str | None = None,
     progress: Progress | None = None,
 ) -> Reading:
-    """Load a mesh as `load_mesh` does, with what there is to tell instead of logging it.
+    """Load a mesh as `load_mesh` does, with its notes instead of logging them.
 
     Raises
     ------
@@ -146,22 +146,22 @@ def read_mesh(
         raise UnknownNameError("unit", str(unit), UNITS_MM)
     if up is not None and up not in (*UP_AXES, AUTO):
         raise UnknownNameError("up axis", str(up), (*UP_AXES, AUTO))
-    wanted = Wanted(unit, from_points, texture, None if up == AUTO else up)
+    wanted = ReadOptions(unit, from_points, texture, None if up == AUTO else up)
     if not isinstance(path, str | os.PathLike):
         taken = take_object(path, wanted)
-        return _guessed(taken) if up == AUTO and not taken.knows_up else taken
-    found = _find(path)
-    if found is None and is_sheet(str(path)):
+        return _turn_as_guessed(taken) if up == AUTO and not taken.knows_up else taken
+    file = _find_file(path)
+    if file is None and is_sheet(str(path)):
         sheet = parse_sheet(str(path))
         paper = srgb_from_reflectance(load_material(sheet.usual.material).reflectance)
         return Reading(with_paper(make_sheet(sheet), paper), knows_up=True)
-    if found is None:
-        return replace(read_surface(_built_in(str(path)), wanted), knows_up=True)
-    reading = read_surface_apart(found, wanted, progress=progress)
-    return _guessed(reading) if up == AUTO and not reading.knows_up else reading
+    if file is None:
+        return replace(read_surface(_built_in_file(str(path)), wanted), knows_up=True)
+    reading = read_surface_apart(file, wanted, progress=progress)
+    return _turn_as_guessed(reading) if up == AUTO and not reading.knows_up else reading
 
 
-def _guessed(reading: Reading) -> Reading:
+def _turn_as_guessed(reading: Reading) -> Reading:
     guess = reading.likely_up
     if guess is None or not guess.sure:
         note = Message("which way is up is not sure; z is taken")
@@ -173,29 +173,29 @@ def _guessed(reading: Reading) -> Reading:
     return replace(reading, mesh=mesh, notes=(*reading.notes, note))
 
 
-def _find(path: str | os.PathLike[str]) -> Path | None:
+def _find_file(path: str | os.PathLike[str]) -> Path | None:
     """Return the path of a file, or None for the name of a built-in object."""
-    found = Path(path)
-    if found.is_file():
-        return found
+    file = Path(path)
+    if file.is_file():
+        return file
     if is_built_in(str(path)):
         return None
-    if found.is_dir():
-        raise MeshError("{file}: it is a folder; expected a mesh file", file=found)
-    if os.path.lexists(found):
-        if found.is_symlink():
+    if file.is_dir():
+        raise MeshError("{file}: it is a folder; expected a mesh file", file=file)
+    if os.path.lexists(file):
+        if file.is_symlink():
             raise MeshError(
-                "{file}: it is a link that leads nowhere; expected a mesh file", file=found
+                "{file}: it is a link that leads nowhere; expected a mesh file", file=file
             )
-        raise MeshError("{file}: it is no plain file; expected a mesh file", file=found)
+        raise MeshError("{file}: it is no plain file; expected a mesh file", file=file)
     raise MeshError(
         "{file}: no such file; expected a mesh file or one of the built-in objects {names}",
-        file=found,
+        file=file,
         names=", ".join((*BUILT_IN_OBJECTS, *FORMS)),
     )
 
 
-def _built_in(name: str) -> Path:
+def _built_in_file(name: str) -> Path:
     """Return the file of a built-in object, in an installation or in a source tree."""
     package = Path(__file__).resolve().parents[1]
     for folder in (package / "meshes", package.parent / "meshes"):

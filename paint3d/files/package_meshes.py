@@ -7,6 +7,7 @@ that are loaded.
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -25,24 +26,24 @@ _COLOURS = ("srgb", "RGB", "RGBA", "rgb", "rgba", "colors", "Colors")  # arrays 
 _PICTURES = Message("its colours and pictures")
 
 
-def package_class(found: object) -> str | None:
+def package_class(mesh: object) -> str | None:
     """Return the name of another package's class that an object is of; None for all others."""
     for name in _READERS:
         package, *words = name.split(".")
         kind: Any = sys.modules.get(package)
         for word in words:
             kind = getattr(kind, word, None)
-        if isinstance(kind, type) and isinstance(found, kind):
+        if isinstance(kind, type) and isinstance(mesh, kind):
             return name
     return None
 
 
-def read_object(found: object, texture: bool = False) -> RawMesh:
+def read_object(mesh: object, texture: bool = False) -> RawMesh:
     """Return the polygons of a mesh of another package, not yet checked.
 
     Parameters
     ----------
-    found : (vertices, faces), trimesh.Trimesh, trimesh.Scene, open3d.geometry.TriangleMesh,
+    mesh : (vertices, faces), trimesh.Trimesh, trimesh.Scene, open3d.geometry.TriangleMesh,
             open3d.t.geometry.TriangleMesh or pyvista.PolyData
         It is not changed.
     texture : bool
@@ -53,36 +54,36 @@ def read_object(found: object, texture: bool = False) -> RawMesh:
     MeshError
         If it is none of these, or its arrays do not fit together.
     """
-    kind = package_class(found)
-    if isinstance(found, tuple | list):
-        return RawMesh.of_triangles(*arrays_of(found))
+    kind = package_class(mesh)
+    if isinstance(mesh, tuple | list):
+        return RawMesh.of_triangles(*arrays_of(mesh))
     if kind is None:
         raise MeshError(
             "a mesh is a {module}.{qualname}; expected a file, the name of an object, (vertices, "
             "faces), or one of {readers}",
-            module=type(found).__module__,
-            qualname=type(found).__qualname__,
+            module=type(mesh).__module__,
+            qualname=type(mesh).__qualname__,
             readers=", ".join(_READERS),
         )
-    return _READERS[kind](found, texture)
+    return _READERS[kind](mesh, texture)
 
 
 # -- trimesh ------------------------------------------------------------------------------------
 
 
-def read_trimesh(found: Any, texture: bool = False) -> RawMesh:
-    """Return the polygons of a Trimesh, or of all of a Scene's, each in its place."""
-    meshes = [found] if hasattr(found, "faces") else found.dump()
+def read_trimesh(mesh_or_scene: Any, texture: bool = False) -> RawMesh:
+    """Return the polygons of a Trimesh, or of all of a Scene's, transformed."""
+    meshes = [mesh_or_scene] if hasattr(mesh_or_scene, "faces") else mesh_or_scene.dump()
     solid = [mesh for mesh in meshes if hasattr(mesh, "faces")]
-    raws = [_one_trimesh(mesh, texture) for mesh in solid]
+    raws = [_read_one_trimesh(mesh, texture) for mesh in solid]
     notes = left_out({type(mesh).__name__ for mesh in meshes} - {type(m).__name__ for m in solid})
-    unit_mm, unit_notes = _unit_of_trimesh(found)
+    unit_mm, unit_notes = _unit_of_trimesh(mesh_or_scene)
     raw = join_meshes(raws)
     every = tuple(dict.fromkeys((*raw.notes, *notes, *unit_notes)))
     return replace(raw, unit_mm=unit_mm, notes=every)
 
 
-def _one_trimesh(mesh: Any, texture: bool) -> RawMesh:
+def _read_one_trimesh(mesh: Any, texture: bool) -> RawMesh:
     vertices = np.asarray(mesh.vertices, np.float64)
     faces = np.asarray(mesh.faces, np.int64)
     sound = len(faces) > 0 and faces.min() >= 0 and faces.max() < len(vertices)
@@ -102,7 +103,7 @@ def _one_trimesh(mesh: Any, texture: bool) -> RawMesh:
 
 
 def _given_normals(mesh: Any) -> NDArray[np.float64] | None:
-    """Normals that were given with a Trimesh; None where it would work them out from its faces."""
+    """Normals given with a Trimesh; None where it would compute them from its faces."""
     own, computed = mesh.vertex_normals, mesh.copy(include_cache=False).vertex_normals
     same = np.shape(own) == np.shape(computed) and np.allclose(own, computed, atol=1e-6)
     return None if same else np.asarray(own, np.float64)
@@ -112,9 +113,9 @@ def _with_picture(raw: RawMesh, visual: Any) -> RawMesh:
     look = _look_of(visual.material)
     notes: tuple[Message, ...] = ()
     uv = np.full((len(raw.corners), 2), np.nan)
-    places = None if visual.uv is None else np.asarray(visual.uv, np.float64)
-    if places is not None and len(places) == len(raw.vertices):
-        uv = places[raw.corners, :2] * (1.0, -1.0) + (0.0, 1.0)
+    coordinates = None if visual.uv is None else np.asarray(visual.uv, np.float64)
+    if coordinates is not None and len(coordinates) == len(raw.vertices):
+        uv = coordinates[raw.corners, :2] * (1.0, -1.0) + (0.0, 1.0)
     elif look.picture is not None:
         look = replace(look, picture=None)
         notes = (Message("a texture is left out: the mesh has no places on it"),)
@@ -123,15 +124,17 @@ def _with_picture(raw: RawMesh, visual: Any) -> RawMesh:
 
 
 def _look_of(material: Any) -> Look:
-    """What a material of trimesh says: a linear factor (PBR), or a picture or else a colour."""
+    """Look of a material of trimesh: a linear factor (PBR), or a picture, or else a colour."""
     if hasattr(material, "diffuse"):
         if material.image is not None:
             return Look(picture=_pixels(material.image))
         factor = linear_from_srgb(np.asarray(material.diffuse, np.uint8)[:3])
     else:
         material = material if hasattr(material, "baseColorTexture") else material.to_pbr()
-        told = material.baseColorFactor
-        factor = np.ones(3) if told is None else np.asarray(told, np.uint8)[:3] / 255.0
+        base_factor = material.baseColorFactor
+        factor = (
+            np.ones(3) if base_factor is None else np.asarray(base_factor, np.uint8)[:3] / 255.0
+        )
     red, green, blue = factor.tolist()
     picture = getattr(material, "baseColorTexture", None)
     return Look((red, green, blue), None if picture is None else _pixels(picture))
@@ -148,34 +151,34 @@ def _pixels(picture: Any) -> NDArray[np.uint8]:
     return np.asarray(picture.convert("RGB"))
 
 
-def _unit_of_trimesh(found: Any) -> tuple[float | None, tuple[Message, ...]]:
-    if found.units is None:
+def _unit_of_trimesh(mesh_or_scene: Any) -> tuple[float | None, tuple[Message, ...]]:
+    if mesh_or_scene.units is None:
         return None, ()
     convert = sys.modules["trimesh"].units.unit_conversion
     try:
-        return float(convert(found.units, "millimeters")), ()
+        return float(convert(mesh_or_scene.units, "millimeters")), ()
     except (ValueError, KeyError):
         return None, (
-            Message("its unit {unit!r:.40} is not known: mm are taken", unit=found.units),
+            Message("its unit {unit!r:.40} is not known: mm are taken", unit=mesh_or_scene.units),
         )
 
 
 # -- Open3D -------------------------------------------------------------------------------------
 
 
-def _read_open3d(found: Any, texture: bool) -> RawMesh:
-    normals = np.array(found.vertex_normals) if found.has_vertex_normals() else None
-    raw = RawMesh.of_triangles(np.array(found.vertices), np.array(found.triangles), normals=normals)
-    notes = left_out([_PICTURES]) if found.has_textures() else ()
-    if not found.has_vertex_colors():
+def _read_open3d(mesh: Any, texture: bool) -> RawMesh:
+    normals = np.array(mesh.vertex_normals) if mesh.has_vertex_normals() else None
+    raw = RawMesh.of_triangles(np.array(mesh.vertices), np.array(mesh.triangles), normals=normals)
+    notes = left_out([_PICTURES]) if mesh.has_textures() else ()
+    if not mesh.has_vertex_colors():
         return replace(raw, notes=notes)
-    colours, told = colour_codes(np.array(found.vertex_colors))
-    return replace(raw, colours=colours, notes=(*notes, *told))
+    colours, more_notes = colour_codes(np.array(mesh.vertex_colors))
+    return replace(raw, colours=colours, notes=(*notes, *more_notes))
 
 
-def _read_open3d_tensor(found: Any, texture: bool) -> RawMesh:
-    of_vertices = {name: found.vertex[name].cpu().numpy() for name in found.vertex}
-    of_faces = {name: found.triangle[name].cpu().numpy() for name in found.triangle}
+def _read_open3d_tensor(mesh: Any, texture: bool) -> RawMesh:
+    of_vertices = {name: mesh.vertex[name].cpu().numpy() for name in mesh.vertex}
+    of_faces = {name: mesh.triangle[name].cpu().numpy() for name in mesh.triangle}
     empty = np.empty((0, 3))
     normals = of_vertices.get("normals")
     raw = RawMesh.of_triangles(
@@ -185,20 +188,20 @@ def _read_open3d_tensor(found: Any, texture: bool) -> RawMesh:
     )
     notes = left_out([_PICTURES]) if "texture_uvs" in of_faces else ()
     if "colors" in of_vertices:
-        colours, told = colour_codes(of_vertices["colors"])
-        return replace(raw, colours=colours, notes=(*notes, *told))
+        colours, more_notes = colour_codes(of_vertices["colors"])
+        return replace(raw, colours=colours, notes=(*notes, *more_notes))
     if "colors" in of_faces:
-        codes, told = colour_codes(of_faces["colors"], whose=FACE_COLOURS)
+        codes, more_notes = colour_codes(of_faces["colors"], whose=FACE_COLOURS)
         raw = raw if codes is None else with_face_colours(raw, codes, texture)
-        return replace(raw, notes=(*raw.notes, *notes, *told))
+        return replace(raw, notes=(*raw.notes, *notes, *more_notes))
     return replace(raw, notes=notes)
 
 
 # -- PyVista ------------------------------------------------------------------------------------
 
 
-def _read_polydata(found: Any, texture: bool) -> RawMesh:
-    mesh = found.triangulate() if found.n_strips else found
+def _read_polydata(polydata: Any, texture: bool) -> RawMesh:
+    mesh = polydata.triangulate() if polydata.n_strips else polydata
     corners, sizes = _polygons_of(np.asarray(mesh.faces, np.int64))
     normals = mesh.point_data.active_normals
     what = [Message("lines")] if mesh.n_lines else []
@@ -208,10 +211,10 @@ def _read_polydata(found: Any, texture: bool) -> RawMesh:
         announces=Message("lines") if mesh.n_lines else "",
         notes=left_out(what) if len(sizes) else (),
     )  # fmt: skip
-    colours = _array_of_colours(mesh.point_data)
+    colours = _find_colours(mesh.point_data)
     if colours is not None:
         return replace(raw, colours=_codes(colours))
-    of_faces = _array_of_colours(mesh.cell_data)
+    of_faces = _find_colours(mesh.cell_data)
     if of_faces is None or len(of_faces) != mesh.n_cells:
         return raw
     first = int(mesh.n_verts + mesh.n_lines)  # a PolyData counts points, lines, then polygons
@@ -220,7 +223,7 @@ def _read_polydata(found: Any, texture: bool) -> RawMesh:
 
 
 def _polygons_of(padded: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Corners (N,) and sizes (P,) of polygons that stand one after the other behind their sizes."""
+    """Corners (N,) and sizes (P,) of polygons stored as size, corners, size, corners."""
     if len(padded) and len(padded) % (padded[0] + 1) == 0:
         table = padded.reshape(-1, padded[0] + 1)
         if (table[:, 0] == padded[0]).all():
@@ -234,7 +237,7 @@ def _polygons_of(padded: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[
     return padded[~starts], np.array(sizes, np.int64)
 
 
-def _array_of_colours(data: Any) -> AnyArray | None:
+def _find_colours(data: Any) -> AnyArray | None:
     """The array of codes among a PolyData's: the one that is shown, else one named so."""
     names = [data.active_scalars_name, *_COLOURS]
     for name in names:
@@ -249,11 +252,11 @@ def _array_of_colours(data: Any) -> AnyArray | None:
 
 
 def _codes(colours: Any) -> NDArray[np.uint8]:
-    """Codes (N, 3) of uint8 colours with or without a share that is seen through."""
+    """Codes (N, 3) of uint8 colours with or without an opacity."""
     return np.ascontiguousarray(np.asarray(colours)[:, :3], np.uint8)
 
 
-_READERS = {
+_READERS: dict[str, Callable[[Any, bool], RawMesh]] = {
     "trimesh.Trimesh": read_trimesh,
     "trimesh.Scene": read_trimesh,
     "open3d.geometry.TriangleMesh": _read_open3d,

@@ -21,17 +21,16 @@ from paint3d.files.progress import Progress
 from paint3d.files.sandbox import PICTURE_SECONDS, Found, notes_of, read_apart
 
 __all__ = [
-    "HEIF_SUFFIXES",
     "PHOTOGRAPH_SUFFIXES",
     "child_photograph",
     "load_photograph",
     "read_photograph",
 ]
 
-HEIF_SUFFIXES = (".heic", ".heif")
+_HEIF_SUFFIXES = (".heic", ".heif")
 PHOTOGRAPH_SUFFIXES = (
     ".jpg", ".jpeg", ".png", ".tif", ".tiff", ".webp", ".bmp", ".gif", ".ppm", ".pgm",
-    *HEIF_SUFFIXES,
+    *_HEIF_SUFFIXES,
 )  # fmt: skip
 log = logging.getLogger("paint3d")
 
@@ -80,7 +79,7 @@ def read_photograph(path: Path, longest: int) -> tuple[NDArray[np.uint8], tuple[
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            return _read(path, data, longest)
+            return _decode(path, data, longest)
     except InputError:
         raise
     except MemoryError:
@@ -88,14 +87,14 @@ def read_photograph(path: Path, longest: int) -> tuple[NDArray[np.uint8], tuple[
             "{file}: it does not fit into memory; expected a photograph", file=path
         ) from None
     except Exception as cause:  # what a decoder raises over a damaged picture is anybody's guess
-        told = " ".join(str(cause).split())[:200] or type(cause).__name__
+        reason = " ".join(str(cause).split())[:200] or type(cause).__name__
         raise InputError(
-            "{file}: no picture that can be read ({told})", file=path, told=told
+            "{file}: no picture that can be read ({told})", file=path, told=reason
         ) from None
 
 
 def _prepare_heif(path: Path, data: bytes) -> None:
-    """Let Pillow read HEIC where the package for it is there."""
+    """Register the package by which Pillow reads HEIC, where it is installed."""
     if data[4:12] not in _HEIF_HEADS:
         return
     if importlib.util.find_spec("pillow_heif") is None:
@@ -108,12 +107,14 @@ def _prepare_heif(path: Path, data: bytes) -> None:
     heif.register_heif_opener()
 
 
-def _read(path: Path, data: bytes, longest: int) -> tuple[NDArray[np.uint8], tuple[int, int]]:
+def _decode(path: Path, data: bytes, longest: int) -> tuple[NDArray[np.uint8], tuple[int, int]]:
     from PIL import Image, ImageOps, UnidentifiedImageError
 
     Image.MAX_IMAGE_PIXELS = None  # ours is less, and refuses
     try:
-        opened = Image.open(io.BytesIO(data), formats=_known(Image))
+        Image.init()
+        kinds = [kind for kind in _KINDS if kind in Image.OPEN]
+        opened = Image.open(io.BytesIO(data), formats=kinds)
     except UnidentifiedImageError:  # which names an object in memory
         raise InputError(
             "{file}: no picture that can be read (of no known kind)", file=path
@@ -143,7 +144,7 @@ def _read(path: Path, data: bytes, longest: int) -> tuple[NDArray[np.uint8], tup
         picture.load()
         shrink = max(1, max(picture.size) // longest)
         small = picture.reduce(shrink) if shrink > 1 and picture.mode in _REDUCED else picture
-        rgb = ImageOps.exif_transpose(_in_srgb(small, picture.info))
+        rgb = ImageOps.exif_transpose(_convert_to_srgb(small, picture.info))
         if max(rgb.size) > longest:
             rgb.thumbnail((longest, longest), Image.Resampling.LANCZOS)
         return np.asarray(rgb), full
@@ -152,13 +153,7 @@ def _read(path: Path, data: bytes, longest: int) -> tuple[NDArray[np.uint8], tup
 _REDUCED = ("RGB", "RGBA", "L", "LA", "CMYK", "YCbCr")
 
 
-def _known(image: Any) -> list[str]:
-    """The kinds of pictures that are read, of those that Pillow knows here."""
-    image.init()
-    return [kind for kind in _KINDS if kind in image.OPEN]
-
-
-def _in_srgb(picture: Image, info: dict[Any, Any]) -> Image:
+def _convert_to_srgb(picture: Image, info: dict[Any, Any]) -> Image:
     """A picture as opaque sRGB."""
     from PIL import Image
 
@@ -166,30 +161,30 @@ def _in_srgb(picture: Image, info: dict[Any, Any]) -> Image:
     if picture.mode.startswith(("I", "F")):  # 16 bits or more of grey
         values = np.nan_to_num(np.asarray(picture, np.float64))
         greatest = float(values.max())
-        shares = picture.mode.startswith("F") and greatest <= 1.0
-        most = 1.0 if shares else max(greatest, 65535.0 if greatest > 255.0 else 255.0)
+        are_fractions = picture.mode.startswith("F") and greatest <= 1.0
+        most = 1.0 if are_fractions else max(greatest, 65535.0 if greatest > 255.0 else 255.0)
         codes = np.clip(np.round(255.0 * values / most), 0.0, 255.0).astype(np.uint8)
         picture = Image.fromarray(codes)
     if picture.mode in ("RGBA", "LA", "PA", "La", "RGBa") or "transparency" in info:
         rgba = picture.convert("RGBA")
         paper = Image.new("RGBA", rgba.size, (255, 255, 255, 255))
         picture = Image.alpha_composite(paper, rgba).convert("RGB")
-    converted = _by_profile(picture, info.get("icc_profile"))
+    converted = _convert_by_profile(picture, info.get("icc_profile"))
     result = converted if converted is not None else picture.convert("RGB")
     result.getexif().update(exif)
     return result
 
 
-def _by_profile(picture: Image, profile: bytes | None) -> Image | None:
-    """A picture carried to sRGB by the profile in its file, where that suits its mode."""
+def _convert_by_profile(picture: Image, profile: bytes | None) -> Image | None:
+    """Convert a picture to sRGB by its embedded profile, if that suits its mode."""
     if not profile or picture.mode not in ("RGB", "CMYK", "L"):
         return None
     from PIL import ImageCms
 
     try:
-        found = ImageCms.ImageCmsProfile(io.BytesIO(profile))
+        own = ImageCms.ImageCmsProfile(io.BytesIO(profile))
         carried = ImageCms.profileToProfile(
-            picture, found, ImageCms.createProfile("sRGB"), outputMode="RGB"
+            picture, own, ImageCms.createProfile("sRGB"), outputMode="RGB"
         )
     except (ImageCms.PyCMSError, OSError, ValueError, TypeError):
         return None  # a profile that is damaged, or of other pictures
@@ -202,7 +197,7 @@ _LONGEST = 3200  # pixels of the longer side: what writing needs of a sheet of m
 def load_photograph(
     path: Path | str, progress: Progress | None = None
 ) -> tuple[NDArray[np.uint8], float]:
-    """Load a photograph, made smaller where it is large.
+    """Load a photograph, downsampled where it is large.
 
     Parameters
     ----------
@@ -245,7 +240,7 @@ def load_photograph(
 
 
 def child_photograph(path: Path, wanted: list[Any]) -> Found:
-    """Read a photograph in the child process, made smaller to `wanted[0]` pixels."""
+    """Read a photograph in the child process, downsampled to `wanted[0]` pixels."""
     pixels, full = read_photograph(path, *wanted)
     facts: dict[str, object] = {"size": pixels.shape[:2], "full": full}
     return {"pixels": pixels.reshape(-1, 3)}, facts

@@ -25,30 +25,28 @@ from paint3d.view.shot import Moment, Shot, take_film, take_shot, take_turning
 from paint3d.view.studio import Gloss
 
 __all__ = [
-    "FILM_SUFFIXES",
-    "PICTURE_SUFFIXES",
     "Filmed",
     "Turning",
     "write_growth",
     "write_picture",
 ]
 
-PICTURE_SUFFIXES, FILM_SUFFIXES = (".png", ".webp"), tuple(FILMS)
+_PICTURE_SUFFIXES, _FILM_SUFFIXES = (".png", ".webp"), tuple(FILMS)
 _FORMS = {".png": "PNG", **FILMS}
 _QUALITY = 92  # of a WebP
 _READ, _TAKEN = 0.6, 0.97  # of the time, about, until the painting is read and the picture there
-_MOST_LIGHTS = 120  # in a turn of a film, in which the light on the object is found anew
+_MOST_LIGHTS = 120  # in a turn of a film, in which the light on the object is computed anew
 
 
 class Turning(NamedTuple):
-    """How a film of an object turning once is to be: how long, s, and pictures a second."""
+    """A film of an object turning once: how long, s, and pictures a second."""
 
     seconds: float = 4.0
     rate: float = 12.0
 
     @property
     def n_pictures(self) -> int:
-        """How many pictures it has, 2 at least."""
+        """Number of its pictures, 2 at least."""
         return max(2, round(self.seconds * self.rate))
 
 
@@ -75,7 +73,7 @@ def write_picture(
     material : str or Material, optional
         Whose gloss is shown; by default that of the painting, and glazed porcelain for meshes.
     progress : callable, optional
-        Called with the share done; what it raises leaves everything as it was.
+        Called with the fraction done; what it raises leaves everything as it was.
     viewing : Viewing, optional
         In which light, by which observer and for which screen; .gif and .mp4 have sRGB only.
 
@@ -87,7 +85,7 @@ def write_picture(
         If the suffix does not fit, the film would be too large, or the file cannot be written.
     """
     path, shot = Path(path), shot or Shot()
-    form = _form_of(path, shot, turning)
+    form = _check_form(path, shot, turning)
     if viewing is not None and viewing.gamut != "srgb" and form in ("GIF", "MP4"):
         raise InputError(
             "{file}: a .{form} is in sRGB; expected .png or .webp for {gamut}",
@@ -101,7 +99,7 @@ def write_picture(
     read = read_painting(painting, ExportOptions(viewing=viewing), reading, roughness)
     assert isinstance(read, Painting), "no texture was asked for"
     gloss = gloss_of(read, other)
-    arrays, how = (*read[:3], read.shown_srgb), _how(form) | picture_tags(read.gamut, form)
+    arrays, how = (*read[:3], read.shown_srgb), _save_options(form) | picture_tags(read.gamut, form)
     with write_atomically(path, progress) as part:
         if turning is None:
             pixels = take_shot(arrays, shot, gloss, read.edges)
@@ -111,11 +109,11 @@ def write_picture(
             return
         n = turning.n_pictures
         pictures = map(Image.fromarray, take_turning(arrays, shot, n, gloss, read.edges))
-        write_film(part, _told(pictures, n, progress), n, form, turning.rate, how)
+        write_film(part, _report_pictures(pictures, n, progress), n, form, turning.rate, how)
 
 
 class Filmed(NamedTuple):
-    """How a film of a painting that grows is to be: pictures a second, s a turn takes (0: none).
+    """A film of a painting that grows: pictures a second, and s a turn takes (0: none).
 
     The finished painting stays for `hold` s.
     """
@@ -126,7 +124,7 @@ class Filmed(NamedTuple):
 
     @property
     def n_held(self) -> int:
-        """How many pictures more the finished painting is shown."""
+        """Number of pictures for which the finished painting stays."""
         return round(self.hold * self.rate)
 
     def check(self, path: Path, shot: Shot, n_pictures: int) -> str:
@@ -172,7 +170,7 @@ def write_growth(
         The view is found for the finished painting, and stays.
     filmed : Filmed
     progress : callable, optional
-        Called with the share done; what it raises leaves everything as it was.
+        Called with the fraction done; what it raises leaves everything as it was.
 
     Raises
     ------
@@ -198,15 +196,15 @@ def write_growth(
     n_lights = min(_MOST_LIGHTS, max(1, round(a_turn))) if a_turn else 0
     drawn = take_film(arrays, shot, moments(), Gloss.of(surface.material), n_lights)
     with write_atomically(path, progress) as part:
-        pictures = _told(map(Image.fromarray, drawn), n, progress)
-        write_film(part, pictures, n, form, filmed.rate, _how(form))
+        pictures = _report_pictures(map(Image.fromarray, drawn), n, progress)
+        write_film(part, pictures, n, form, filmed.rate, _save_options(form))
     return n
 
 
-def _form_of(path: Path, shot: Shot, turning: Turning | None) -> str:
+def _check_form(path: Path, shot: Shot, turning: Turning | None) -> str:
     """The name of a file's format by its suffix, if it can hold what is asked."""
     suffix = path.suffix.lower()
-    known = PICTURE_SUFFIXES if turning is None else FILM_SUFFIXES
+    known = _PICTURE_SUFFIXES if turning is None else _FILM_SUFFIXES
     if suffix not in known:
         what = Message("a picture") if turning is None else Message("a film")
         if suffix:
@@ -244,11 +242,11 @@ def _form_of(path: Path, shot: Shot, turning: Turning | None) -> str:
     return _FORMS[suffix]
 
 
-def _how(form: str) -> dict[str, int]:
+def _save_options(form: str) -> dict[str, int]:
     return {"quality": _QUALITY} if form == "WEBP" else {}
 
 
-def _told(
+def _report_pictures(
     pictures: Iterator[Image.Image], n: int, progress: Progress | None
 ) -> Iterator[Image.Image]:
     for k, picture in enumerate(pictures):

@@ -1,4 +1,4 @@
-"""A surface through a point cloud, by a ball that rolls over the points."""
+"""Ball pivoting: a surface through a point cloud by a ball that rolls over it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["surface_through"]
 FEWEST_POINTS = 20
 NEIGHBOURS = 16
 RADII = (1.0, 1.5, 2.5, 4.0)  # of the ball, in typical distances between neighbours
-LEAST_SHARE = 0.9  # of the points that the surface must reach to be worth painting
+LEAST_REACHED = 0.9  # of the points that the surface must reach to be worth painting
 
 
 def surface_through(
@@ -70,7 +70,7 @@ def surface_through(
         except RuntimeError as cause:
             raise MeshError("no surface goes through its points: {cause}", cause=cause) from None
     reached = len(np.unique(faces)) / len(points)
-    if reached < LEAST_SHARE:
+    if reached < LEAST_REACHED:
         raise MeshError(
             "a surface through its {n:,} points reaches only {reached:.0%} of them; expected "
             "points that lie evenly on a surface",
@@ -96,10 +96,10 @@ def _open3d() -> ModuleType:
 def _estimate_normals(cloud: Any, points: NDArray[np.float64]) -> None:
     open3d = _open3d()
     cloud.estimate_normals(open3d.geometry.KDTreeSearchParamKNN(NEIGHBOURS))
-    cloud.normals = open3d.utility.Vector3dVector(_oriented(points, np.asarray(cloud.normals)))
+    cloud.normals = open3d.utility.Vector3dVector(_orient(points, np.asarray(cloud.normals)))
 
 
-def _oriented(points: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _orient(points: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return normals (V, 3) that agree among neighbours and point away from the middle.
 
     The sign is handed on along the tree between neighbours whose normals differ least (Hoppe et

@@ -1,4 +1,4 @@
-"""What every mesh reader hands back: polygons as the file has them, not yet checked."""
+"""Result of every mesh reader: polygons as the file has them, not yet checked."""
 
 from __future__ import annotations
 
@@ -94,11 +94,11 @@ def join_meshes(raws: Sequence[RawMesh]) -> RawMesh:
         return RawMesh(np.empty((0, 3)), empty, empty)
     first = np.cumsum([0, *(len(raw.vertices) for raw in raws)])
     looks_before = np.cumsum([0, *(len(raw.looks) for raw in raws)])
-    looks, places, colours, corner_colours = [], [], [], []
+    looks, coordinates, colours, corner_colours = [], [], [], []
     for raw, before in zip(raws, looks_before, strict=False):
         look_of = np.full(len(raw.sizes), -1) if raw.look_of is None else raw.look_of
         looks.append(np.where(look_of < 0, -1, look_of + before))
-        places.append(np.full((len(raw.corners), 2), np.nan) if raw.uv is None else raw.uv)
+        coordinates.append(np.full((len(raw.corners), 2), np.nan) if raw.uv is None else raw.uv)
         white = np.full((len(raw.vertices), 3), 255, np.uint8)
         colours.append(white if raw.colours is None else raw.colours)
         own = raw.corner_colours
@@ -118,7 +118,7 @@ def join_meshes(raws: Sequence[RawMesh]) -> RawMesh:
         notes=tuple(dict.fromkeys(note for raw in raws for note in raw.notes)),
         looks=tuple(look for raw in raws for look in raw.looks),
         look_of=np.concatenate(looks) if pictured else None,
-        uv=np.concatenate(places) if pictured else None,
+        uv=np.concatenate(coordinates) if pictured else None,
         corner_colours=np.concatenate(cornered) if cornered else None,
     )
 
@@ -143,7 +143,7 @@ def with_face_colours(raw: RawMesh, codes: NDArray[np.uint8], wanted: bool) -> R
 
 
 def left_out(what: Iterable[str]) -> tuple[Message, ...]:
-    """Return one note on what a file says and paint3d does not take; none where there is none."""
+    """Return one note on parts of a file that are ignored; none where there are none."""
     named = [one if isinstance(one, Message) else Message(one) for one in sorted(what)]
     if not named:
         return ()
@@ -208,14 +208,14 @@ def check_count(count: float, n_bytes_each: float, n_bytes: int, what: str) -> N
     MeshError
         If there is not enough data.
     """
-    room = math.floor(n_bytes / n_bytes_each)
+    capacity = math.floor(n_bytes / n_bytes_each)
     if count < 0:
         raise MeshError("it says it has {count} {what}; expected 0 or more", count=count, what=what)
-    if count > room:
+    if count > capacity:
         raise MeshError(
             "it says it has {count:,} {what}, but what follows has room for {room:,} at most; the "
             "file is cut short or its header is wrong",
             count=count,
             what=what,
-            room=room,
+            room=capacity,
         )

@@ -35,8 +35,8 @@ from paint3d.mesh.upright import Upright, guess_up, turn_rows, turn_up
 __all__ = [
     "MESH_SUFFIXES",
     "UNITS_MM",
+    "ReadOptions",
     "Reading",
-    "Wanted",
     "child_surface",
     "read_surface",
     "read_surface_apart",
@@ -76,8 +76,8 @@ WIDE = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 SURPRISES = (ArithmeticError, AttributeError, LookupError, RecursionError, TypeError, ValueError)
 
 
-class Wanted(NamedTuple):
-    """How to read a file; see `paint3d.files.load.load_mesh`."""
+class ReadOptions(NamedTuple):
+    """Options of reading a file; see `paint3d.files.load.load_mesh`."""
 
     unit: str | None = None
     from_points: bool | None = None
@@ -110,24 +110,24 @@ class Reading:
 
     @cached_property
     def likely_up(self) -> Upright | None:
-        """Which way is up, likely; None where it is known."""
+        """The likely up axis; None where it is known."""
         return None if self.knows_up else self.up_by_shape
 
     @cached_property
     def up_by_shape(self) -> Upright:
-        """Which axis of the mesh points up by its shape, whatever its file says."""
+        """The up axis by the mesh's shape alone, whatever its file says."""
         return guess_up(self.mesh)
 
     @property
     def is_oddly_up(self) -> bool:
-        """Whether its shape surely stands otherwise than the mesh does."""
+        """True if its shape surely stands otherwise than the mesh does."""
         return self.up_by_shape.sure and self.up_by_shape.up != "z"
 
 
-AS_IT_IS = Wanted()
+AS_IT_IS = ReadOptions()
 
 
-def take_object(found: object, wanted: Wanted = AS_IT_IS) -> Reading:
+def take_object(mesh: object, wanted: ReadOptions = AS_IT_IS) -> Reading:
     """Check a mesh of another package (`files.package_meshes`) as one that was read.
 
     Raises
@@ -135,24 +135,24 @@ def take_object(found: object, wanted: Wanted = AS_IT_IS) -> Reading:
     MeshError
         One line with the object's class, reason and what was expected.
     """
-    kind = package_class(found)
+    kind = package_class(mesh)
     name = kind or "this object"
     try:
         with np.errstate(all="ignore"):
-            return _finish(read_object(found, wanted.texture), "mesh", wanted)
+            return _make_reading(read_object(mesh, wanted.texture), "mesh", wanted)
     except MeshError as cause:
         raise (MeshError("{name}: {cause}", name=name, cause=cause) if kind else cause) from None
     except SURPRISES as cause:
         raise MeshError(
             "{name}: its structure is damaged: {cause}",
             name=name,
-            cause=_in_words(cause),
+            cause=_describe_damage(cause),
         ) from None
 
 
 def read_surface_apart(
     path: Path,
-    wanted: Wanted,
+    wanted: ReadOptions,
     seconds: float | None = None,
     progress: Progress | None = None,
     idle_seconds: float = MAX_IDLE_SECONDS,
@@ -160,7 +160,7 @@ def read_surface_apart(
     """Read a mesh file in a child process with 2 GiB of memory and 20 s, with pictures 60 s.
 
     The seconds are of computing; waiting for a core costs none, and of standing still, as for a
-    slow disk, there may be `idle_seconds` besides. `progress` is told a share guessed from the
+    slow disk, there may be `idle_seconds` besides. `progress` is given a fraction guessed from the
     file's size; what it raises ends the child.
 
     Raises
@@ -186,7 +186,7 @@ def read_surface_apart(
 
 def child_surface(path: Path, wanted: list[Any]) -> Found:
     """Read a mesh file in the child process: what `read_surface_apart` makes a `Reading` of."""
-    reading = read_surface(path, Wanted(*wanted))
+    reading = read_surface(path, ReadOptions(*wanted))
     mesh = reading.mesh
     arrays: dict[str, AnyArray] = {"vertices": mesh.vertices, "faces": mesh.faces}
     arrays |= {} if mesh.normals is None else {"normals": mesh.normals}
@@ -199,7 +199,7 @@ def child_surface(path: Path, wanted: list[Any]) -> Found:
     return arrays, facts
 
 
-def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
+def read_surface(path: Path, wanted: ReadOptions = AS_IT_IS) -> Reading:
     """Read a file, check its polygons and turn them into a mesh in mm, z up.
 
     Raises
@@ -209,7 +209,7 @@ def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
     """
     try:
         with np.errstate(all="ignore"):  # what is not finite in the end is refused
-            return _finish(read_raw(path, wanted.texture), path.name.split(".")[0], wanted)
+            return _make_reading(read_raw(path, wanted.texture), path.name.split(".")[0], wanted)
     except MeshError as cause:
         raise MeshError("{file}: {cause}", file=path, cause=cause) from None
     except MemoryError:
@@ -218,7 +218,7 @@ def read_surface(path: Path, wanted: Wanted = AS_IT_IS) -> Reading:
         raise MeshError(
             "{file}: its structure is damaged: {cause}",
             file=path,
-            cause=_in_words(cause),
+            cause=_describe_damage(cause),
         ) from None
 
 
@@ -240,8 +240,8 @@ def read_raw(path: Path, texture: bool = False) -> RawMesh:
     return read(data, texture) if suffix in WANT_TEXTURE else read(data)
 
 
-def _in_words(cause: Exception) -> Message:
-    """What damaged structure made a reader stumble over, for people."""
+def _describe_damage(cause: Exception) -> Message:
+    """Describe the damaged structure that made a reader fail."""
     if isinstance(cause, KeyError):
         return Message("it lacks {part}", part=_one_line(cause)[:60])
     if isinstance(cause, IndexError):
@@ -285,7 +285,7 @@ def _known_suffix(path: Path) -> str:
     raise MeshError("it has no suffix; expected one of {known}", known=known)
 
 
-def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
+def _make_reading(raw: RawMesh, name: str, wanted: ReadOptions) -> Reading:
     _check_raw(raw)
     up = wanted.up or raw.up or "z"
     turn = turn_up(up)
@@ -295,16 +295,16 @@ def _finish(raw: RawMesh, name: str, wanted: Wanted) -> Reading:
         normals=None if raw.normals is None else turn_rows(raw.normals, turn),
     )
     unit_mm = UNITS_MM[wanted.unit] if wanted.unit else raw.unit_mm or 1.0
-    reading = _checked_mesh(raw, raw.vertices * unit_mm, name, wanted)
+    reading = _check_mesh(raw, raw.vertices * unit_mm, name, wanted)
     knows_up = (wanted.up or raw.up) is not None
     return replace(reading, knows_up=knows_up, unit_mm=unit_mm, up=up)
 
 
-def _checked_mesh(
-    raw: RawMesh, vertices: NDArray[np.float64], name: str, wanted: Wanted
+def _check_mesh(
+    raw: RawMesh, vertices: NDArray[np.float64], name: str, wanted: ReadOptions
 ) -> Reading:
     if len(raw.sizes) == 0:
-        return _without_faces(raw, vertices, name, wanted.from_points)
+        return _make_from_points(raw, vertices, name, wanted.from_points)
     pictured = raw.look_of is not None and len(raw.looks) > 0
     corners = np.arange(len(raw.corners)) if pictured else raw.corners
     faces = triangulate(vertices[raw.corners] if pictured else vertices, corners, raw.sizes)
@@ -356,7 +356,7 @@ def _check_raw(raw: RawMesh) -> None:
         )
 
 
-def _without_faces(
+def _make_from_points(
     raw: RawMesh, vertices: NDArray[np.float64], name: str, from_points: bool | None
 ) -> Reading:
     if from_points is None and raw.announces:
@@ -386,7 +386,7 @@ def _without_faces(
 def _unit_normals(
     normals: NDArray[np.float64] | None, vertices: NDArray[np.float64], faces: NDArray[np.int64]
 ) -> NDArray[np.float64] | None:
-    """Return normals of length 1; None where the file has none that can be used.
+    """Return normals of length 1; None where the file has no usable ones.
 
     Those of no length, or that are no numbers, are worked out from the faces.
     """

@@ -1,4 +1,4 @@
-"""Which other files a mesh file speaks of: its pictures, materials and buffers.
+"""References of a mesh file to other files: its pictures, materials and buffers.
 
 The mesh is a stranger's: `refers_to` runs in a child process (`files.sandbox`).
 """
@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import unescape
@@ -18,7 +18,7 @@ from paint3d.files.formats.gltf import GltfFile
 from paint3d.files.formats.obj import MAX_LIBRARY
 from paint3d.files.sandbox import Found, read_apart
 
-__all__ = ["child_references", "may_refer_to", "refers_to", "refers_to_apart"]
+__all__ = ["child_references", "refers_to", "refers_to_apart"]
 
 _LIBRARIES = re.compile(rb"^[ \t]*mtllib[ \t]+(.+)$", re.MULTILINE)
 _MAPS = re.compile(rb"^[ \t]*(?:map_\w+|bump|norm|disp|decal|refl)[ \t]+(.+)$", re.MULTILINE | re.I)
@@ -29,12 +29,12 @@ _MOST_WORDS = 40  # of a line in which names are looked for
 
 
 def refers_to_apart(mesh: Path, file: Path) -> bool:
-    """Whether a mesh file speaks of another one: asked in a child with limits.
+    """Return whether a mesh file speaks of another one: asked in a child with limits.
 
     Nothing is started where the names tell that it cannot. A mesh that reaches the limits speaks
     of nothing: whoever reads it says what is wrong with it.
     """
-    if not may_refer_to(mesh, file):
+    if not _may_refer_to(mesh, file):
         return False
     reader = f"{__name__}:{child_references.__name__}"
     try:
@@ -49,8 +49,8 @@ def child_references(path: Path, wanted: list[Any]) -> Found:
     return {}, {"refers": refers_to(path, Path(os.fsdecode(bytes.fromhex(wanted[0]))))}
 
 
-def may_refer_to(mesh: Path, file: Path) -> bool:
-    """Whether a mesh file could speak of another one, by their names alone; neither is opened."""
+def _may_refer_to(mesh: Path, file: Path) -> bool:
+    """Return whether a mesh file could refer to another one, by their names alone, unopened."""
     wanted, top = os.path.realpath(file), os.path.realpath(mesh.parent)
     try:
         inside = os.path.isfile(wanted) and os.path.commonpath([top, wanted]) == top
@@ -60,7 +60,7 @@ def may_refer_to(mesh: Path, file: Path) -> bool:
 
 
 def refers_to(mesh: Path, file: Path) -> bool:
-    """Whether a mesh file speaks of another one, directly or in its materials.
+    """Return whether a mesh file speaks of another one, directly or in its materials.
 
     What cannot be read speaks of nothing: whoever reads the mesh says what is wrong with it.
 
@@ -71,9 +71,10 @@ def refers_to(mesh: Path, file: Path) -> bool:
     """
     wanted, top = os.path.realpath(file), os.path.realpath(mesh.parent)
     try:
-        return may_refer_to(mesh, file) and _any_is(
-            wanted, top, _NAMED[_suffix(mesh)](read_contents(mesh), Path(top))
-        )
+        if not _may_refer_to(mesh, file):
+            return False
+        names = _NAMED[_suffix(mesh)](read_contents(mesh), Path(top))
+        return any(path_beside(top, name) == wanted for name in names)
     except (MeshError, MemoryError, OSError, AttributeError, LookupError, TypeError, ValueError):
         return False
 
@@ -83,12 +84,8 @@ def _suffix(mesh: Path) -> str:
     return inner.suffix.lower()
 
 
-def _any_is(wanted: str, top: str, names: Iterable[str]) -> bool:
-    return any(path_beside(top, name) == wanted for name in names)
-
-
-def _tails(line: bytes) -> Iterator[str]:
-    """Whatever at the end of a line may be a file name, which options or others stand before."""
+def _possible_names(line: bytes) -> Iterator[str]:
+    """Yield every possible file name at the end of a line, after options or others."""
     words = line.strip().split()[:_MOST_WORDS]
     at = 0
     for word in words:
@@ -98,27 +95,27 @@ def _tails(line: bytes) -> Iterator[str]:
         at += len(word)
 
 
-def _of_obj(data: bytes, folder: Path) -> Iterator[str]:
+def _names_in_obj(data: bytes, folder: Path) -> Iterator[str]:
     for line in _LIBRARIES.findall(plain_text(data)):
-        for name in _tails(line):
+        for name in _possible_names(line):
             yield name
             library = Path(path_beside(str(folder), name))
             if library.is_file():
-                for told in _MAPS.findall(plain_text(read_contents(library, MAX_LIBRARY))):
-                    yield from _tails(told)
+                for line_end in _MAPS.findall(plain_text(read_contents(library, MAX_LIBRARY))):
+                    yield from _possible_names(line_end)
 
 
-def _of_ply(data: bytes, _: Path) -> Iterator[str]:
+def _names_in_ply(data: bytes, _: Path) -> Iterator[str]:
     for name in _PLY_PICTURES.findall(plain_text(data[: max(0, data.find(_PLY_END))])):
         yield name.strip().decode("utf-8", "surrogateescape")
 
 
-def _of_collada(data: bytes, _: Path) -> Iterator[str]:
+def _names_in_collada(data: bytes, _: Path) -> Iterator[str]:
     for name in _COLLADA_FILES.findall(plain_text(data)):
         yield unescape(name.strip().decode("utf-8", "surrogateescape"))
 
 
-def _of_gltf(data: bytes, folder: Path) -> Iterator[str]:
+def _names_in_gltf(data: bytes, folder: Path) -> Iterator[str]:
     document = GltfFile(data, folder).document
     for kind in ("buffers", "images"):
         for entry in document.get(kind, ()):
@@ -126,5 +123,10 @@ def _of_gltf(data: bytes, folder: Path) -> Iterator[str]:
                 yield entry["uri"]
 
 
-_NAMED = {".obj": _of_obj, ".ply": _of_ply, ".gltf": _of_gltf, ".glb": _of_gltf}
-_NAMED[".dae"] = _of_collada
+_NAMED = {
+    ".obj": _names_in_obj,
+    ".ply": _names_in_ply,
+    ".gltf": _names_in_gltf,
+    ".glb": _names_in_gltf,
+}
+_NAMED[".dae"] = _names_in_collada

@@ -1,4 +1,4 @@
-"""Reading a stranger's file in a process of its own, which may crash alone.
+"""Reading of strangers' files in a child process, which may crash alone.
 
 A reader may be wrong about a file nobody has seen before: it may loop, ask for all memory, or
 take the process down with it. Started afresh (a fork of a process with threads is not safe), the
@@ -53,7 +53,7 @@ Found: TypeAlias = tuple[dict[str, AnyArray], dict[str, Any]]
 MAX_MEMORY = 2 << 30
 MAX_SECONDS = 20  # of computing
 MAX_IDLE_SECONDS = 60  # without computing: asleep, or waiting for a disk
-LOOK_S = 0.05  # how often it is looked what the child does, and whether it is still wanted
+POLL_S = 0.05  # how often it is looked what the child does, and whether it is still wanted
 START_S, BYTES_A_SECOND = 0.4, 20e6  # what reading takes, about
 PICTURE_SECONDS = 60  # where a mesh is made fine enough for its pictures
 _UNCONFINED = Message(
@@ -89,7 +89,7 @@ def read_apart(
         What JSON can hold.
     seconds, idle_seconds : float
     progress : callable, optional
-        Told a share guessed from the file's size; what it raises ends the child.
+        Given a fraction guessed from the file's size; what it raises ends the child.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def read_apart(
     limits = seconds, idle_seconds
     descriptor = make_memory_file()
     try:
-        _run(path, reader, wanted, descriptor, limits, progress)
+        _run_child(path, reader, wanted, descriptor, limits, progress)
         try:
             arrays, facts = receive(descriptor)
         except MeshError as cause:
@@ -117,7 +117,7 @@ def read_apart(
 
 
 def notes_of(facts: Mapping[str, Any]) -> tuple[Message, ...]:
-    """What is to be said of a child that read a file: the first time, if nothing confined it.
+    """Notes on the child that read a file: on first use, if nothing confined it.
 
     Parameters
     ----------
@@ -130,7 +130,7 @@ def notes_of(facts: Mapping[str, Any]) -> tuple[Message, ...]:
     return (_UNCONFINED,)
 
 
-def _run(
+def _run_child(
     path: Path,
     reader: str,
     wanted: list[Any],
@@ -158,7 +158,7 @@ def _run(
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},  # its threads reserve memory
     ) as child:
         try:
-            _wait(child, path, limits, progress)
+            _wait_for(child, path, limits, progress)
         except BaseException:
             child.kill()
             raise
@@ -175,20 +175,20 @@ def _run(
         )
 
 
-def _wait(
+def _wait_for(
     child: subprocess.Popen[bytes],
     path: Path,
     limits: tuple[float, float],
     progress: Progress | None,
 ) -> None:
-    """Wait for a child to end, telling how far it should be by now."""
+    """Wait for a child to end, reporting its estimated progress."""
     began, expected = time.monotonic(), START_S
     with suppress(OSError):  # the child says what is wrong with the file
         expected += path.stat().st_size / BYTES_A_SECOND
     watch, (seconds, idle_seconds) = Watch(child.pid), limits
     while True:
         try:
-            child.communicate(timeout=LOOK_S)
+            child.communicate(timeout=POLL_S)
             return
         except subprocess.TimeoutExpired:
             watch.look()
@@ -280,7 +280,7 @@ class Watch:
 
 
 def main() -> None:
-    """Be the child: read the file of the request, JSON in the first argument, and hand it over."""
+    """Run the child: read the file of the request, JSON in the first argument; send it back."""
     request = json.loads(sys.argv[1])
     limit_process(int(request["memory"]), int(request["seconds"]))
     read = resolve_name(request["reader"])
@@ -335,8 +335,8 @@ def receive(descriptor: int) -> tuple[dict[str, AnyArray], dict[str, Any]]:
         length = int.from_bytes(data[:4], "little")
         if length > min(MAX_LINE, size - 4):
             raise ValueError
-        told = json.loads(data[4 : 4 + length])
-        rows, facts, at = told["rows"], told["facts"], 4 + length
+        message = json.loads(data[4 : 4 + length])
+        rows, facts, at = message["rows"], message["facts"], 4 + length
         row_bytes = {name: NUMBERS_A_ROW * np.dtype(TYPES[name]).itemsize for name in rows}
         if at + sum(row_bytes[name] * int(n) for name, n in rows.items()) != size:
             raise ValueError

@@ -1,4 +1,4 @@
-"""A painting as a texture on the object as it was before it was refined.
+"""Baking of a painting into a texture on the mesh as it was before refinement.
 
 The object's own triangles are laid out in a square by xatlas; every triangle that painting made of
 them is then drawn there with its colours. Texels that no triangle covers get the nearest colour, so
@@ -25,7 +25,7 @@ face that each lies in (F,), and sRGB codes (V, 3), or other pictures' besides.
 """
 
 PADDING = 4  # texels between charts
-FILLED = 0.6  # share of a texture that xatlas covers, nearly
+FILLED = 0.6  # fraction of a texture that xatlas covers, nearly
 SIZES = (256, 4096)  # pixels that are chosen between by themselves
 FEW_FACES = 10_000  # more are cut into many charts, since large ones take xatlas minutes
 SMALL_CHART = 0.002  # of the area
@@ -64,8 +64,11 @@ def bake_detail(
     scale = size / max(shape)
     width, height = (max(1, round(side * scale)) for side in shape)
     texels = uv.astype(np.float64) * (width, height)
-    places = _places(vertices, faces, points, triangles, owners, texels[corners])
-    drawn = [_draw(places, codes[triangles].reshape(-1, 3), width, height) for codes in pictures]
+    texels_of_corners = _find_texels(vertices, faces, points, triangles, owners, texels[corners])
+    drawn = [
+        _draw_texture(texels_of_corners, codes[triangles].reshape(-1, 3), width, height)
+        for codes in pictures
+    ]
     return TexturedMesh(vertices[source], corners, normals[source], uv), drawn
 
 
@@ -85,7 +88,7 @@ def _enough_pixels(area: float, areas: NDArray[np.float64]) -> int:
 def _lay_out(
     vertices: AnyArray, faces: AnyArray, areas: AnyArray, size: int
 ) -> tuple[AnyArray, NDArray[np.int32], NDArray[np.float32], tuple[int, int]]:
-    """Return the vertices that are used, again for each chart; faces, places, the atlas's size."""
+    """Return the vertices used, again for each chart; faces, coordinates, the atlas's size."""
     try:
         import xatlas
     except ImportError:
@@ -110,7 +113,7 @@ def _lay_out(
     return source, corners.astype(np.int32), uv, (atlas.width, atlas.height)
 
 
-def _places(
+def _find_texels(
     vertices: AnyArray,
     faces: AnyArray,
     points: AnyArray,
@@ -118,14 +121,14 @@ def _places(
     owners: AnyArray,
     corner_texels: AnyArray,
 ) -> NDArray[np.float64]:
-    """Return where each corner (3 F, 2) of the painted triangles lies in the texture, texels."""
+    """Return the texel coordinates of each corner (3 F, 2) of the painted triangles."""
     a, b, c = (vertices[faces[:, k]].astype(np.float64) for k in range(3))
     ab, ac = b - a, c - a
     bb, bc, cc = (np.einsum("ij,ij->i", x, y) for x, y in ((ab, ab), (ab, ac), (ac, ac)))
     whole = bb * cc - bc * bc
     flat = whole <= 0.0
     whole[flat] = 1.0
-    places = np.empty((len(triangles), 3, 2))
+    texels = np.empty((len(triangles), 3, 2))
     for corner in range(3):
         offset = points[triangles[:, corner]].astype(np.float64) - a[owners]
         along_b = np.einsum("ij,ij->i", offset, ab[owners])
@@ -134,11 +137,13 @@ def _places(
         w = (bb[owners] * along_c - bc[owners] * along_b) / whole[owners]
         v[flat[owners]] = w[flat[owners]] = 0.0
         weights = np.stack([1.0 - v - w, v, w], axis=1)
-        places[:, corner] = np.einsum("fk,fkd->fd", weights, corner_texels[owners])
-    return places.reshape(-1, 2)
+        texels[:, corner] = np.einsum("fk,fkd->fd", weights, corner_texels[owners])
+    return texels.reshape(-1, 2)
 
 
-def _draw(places: AnyArray, srgb: AnyArray, width: int, height: int) -> NDArray[np.uint8]:
+def _draw_texture(
+    corners_px: AnyArray, srgb: AnyArray, width: int, height: int
+) -> NDArray[np.uint8]:
     """Return the texture (H, W, 3), every texel filled."""
     from scipy.ndimage import distance_transform_edt
 
@@ -146,8 +151,8 @@ def _draw(places: AnyArray, srgb: AnyArray, width: int, height: int) -> NDArray[
 
     image = np.zeros((height, width, 3), np.uint8)
     filled = np.zeros((height, width), np.uint8)
-    corners = np.arange(len(places), dtype=np.int32).reshape(-1, 3)
-    fill_triangles(places, corners, np.ascontiguousarray(srgb), image, filled)
+    corners = np.arange(len(corners_px), dtype=np.int32).reshape(-1, 3)
+    fill_triangles(corners_px, corners, np.ascontiguousarray(srgb), image, filled)
     if not filled.any():
         raise ExportError(
             "a texture of {width} x {height} pixels is too small for the object",

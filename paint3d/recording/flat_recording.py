@@ -19,21 +19,20 @@ from paint3d.device.recorded import Recording
 
 __all__ = [
     "DEFAULT_LEAN",
-    "LIFT_NS",
     "MM_PER_PIXEL",
     "Lifts",
     "angles_from_orientations",
     "join_strokes",
     "notes_of",
     "orientations_from_angles",
-    "spread_ties",
+    "spread_equal_times",
 ]
 
 DEFAULT_LEAN = -0.25 * math.pi
 """Azimuth where a pad gives none, rad: down and to the right, so that the tip points up left."""
 MM_PER_PIXEL = 25.4 / 96.0
 """CSS pixels and Wacom's device-independent pixels, mm."""
-LIFT_NS = 1_000_000
+_LIFT_NS = 1_000_000
 """A lifted sample is put this long after a stroke's end and before the next one's start."""
 _UPRIGHT = 1e-9
 
@@ -83,7 +82,7 @@ def angles_from_orientations(orientations: AnyArray) -> tuple[AnyArray, AnyArray
     return azimuth, altitude, np.arctan2(across, along)
 
 
-def spread_ties(time_ns: NDArray[np.int64]) -> tuple[AnyArray, int]:
+def spread_equal_times(time_ns: NDArray[np.int64]) -> tuple[AnyArray, int]:
     """Times with runs of equal ones spread evenly up to the next later time.
 
     Tablets hand over several points at once under one time stamp. Nothing is dropped and no
@@ -106,7 +105,7 @@ def spread_ties(time_ns: NDArray[np.int64]) -> tuple[AnyArray, int]:
         return time_ns, 0
     stamps, first, counts = np.unique(time_ns, return_index=True, return_counts=True)
     steps = np.diff(stamps)
-    last = steps[-1] if len(steps) else LIFT_NS
+    last = steps[-1] if len(steps) else _LIFT_NS
     room = np.append(steps, max(int(last), int(counts[-1])))
     rank = np.arange(len(time_ns)) - np.repeat(first, counts)
     return np.repeat(stamps, counts) + np.repeat(room, counts) * rank // np.repeat(
@@ -133,7 +132,7 @@ class Lifts:
         self, time_ns: NDArray[np.int64], pressed: NDArray[np.float64], ends: NDArray[np.int64]
     ) -> None:
         gaps = time_ns[ends + 1] - time_ns[ends]
-        lift = np.minimum(LIFT_NS, gaps // 4)
+        lift = np.minimum(_LIFT_NS, gaps // 4)
         after = (pressed[ends] > 0) & (lift > 0)
         before = (pressed[ends + 1] > 0) & (lift > 0)
         # a lift goes behind its stroke's last sample, another before the next stroke's first
@@ -158,7 +157,7 @@ class Lifts:
         return _frozen(np.insert(values, self._places, values[self._source], axis=0))
 
     def put_columns(self, columns: Iterable[AnyArray]) -> AnyArray:
-        """(N + L, K) columns side by side with the lifted samples', each let go before the next."""
+        """(N + L, K) columns side by side with the lifted samples', each dropped in turn."""
         whole: NDArray[np.float64] | None = None
         for k, column in enumerate(columns):
             with_lifts = self.put(column)
@@ -177,7 +176,7 @@ def join_strokes(
     stroke: NDArray[np.int64],
     header: dict[str, Any],
 ) -> Recording:
-    """One pad recording of several strokes, with the pen lifted in between (see `Lifts`).
+    """Join several strokes to one pad recording, with the pen lifted between (see `Lifts`).
 
     A pad without pressure is taken to press at 0.5 while it touches.
 
@@ -202,12 +201,12 @@ def join_strokes(
 
 
 def notes_of(header: Mapping[str, object]) -> list[str]:
-    """What was assumed or put right when a recording was read, to be told; a file may hold more."""
+    """Notes in a recording's header on what was assumed or put right when it was read."""
     notes = header.get("notes")
     return [note for note in notes if isinstance(note, str)] if isinstance(notes, list) else []
 
 
 def _frozen(array: AnyArray) -> AnyArray:
-    """A new array that is not written to any more, so that it need not be copied."""
+    """A new read-only array, so that it need not be copied."""
     array.setflags(write=False)
     return array

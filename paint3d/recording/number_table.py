@@ -15,8 +15,8 @@ from paint3d.errors import RecordingError
 
 __all__ = ["Lines", "NumberTable"]
 
-_FEWEST = 1 << 16  # rows that a column has room for
-_MOST = 1 << 22  # rows in one piece: so much memory goes back to the system when it is let go
+_FEWEST = 1 << 16  # rows in a column's first piece
+_MOST = 1 << 22  # rows in one piece: so much memory goes back to the system when it is freed
 _LARGEST = 2.0**62
 
 
@@ -24,13 +24,13 @@ class Lines(Protocol):
     """Lines of a text, one by one or as blocks: `recording.TextLines`."""
 
     def __iter__(self) -> Iterator[tuple[int, str]]:
-        """Numbers from 1, and texts."""
+        """Iterate over numbers from 1, and texts."""
 
-    def block(self) -> tuple[int, bytes]:
+    def read_block(self) -> tuple[int, bytes]:
         """The number of the next line, and many whole lines; none at the end."""
 
-    def cut(self, first: int, data: bytes) -> Iterator[tuple[int, str]]:
-        """Numbers and texts of the lines in a block whose first has the number `first`."""
+    def split_block(self, first: int, data: bytes) -> Iterator[tuple[int, str]]:
+        """Yield numbers and texts of the lines in a block whose first has the number `first`."""
 
 
 class NumberTable:
@@ -84,7 +84,7 @@ class NumberTable:
         delimiter : str, optional
             What stands between plain cells; None for white space.
         split : callable
-            Cuts a line into cells; None for a line that is passed over.
+            Splits a line into cells; None for a line that is passed over.
         comment : str, optional
             Plain lines that begin with it are passed over.
 
@@ -94,12 +94,12 @@ class NumberTable:
             ``name:line: what is X; expected Y``.
         """
         while True:
-            first, data = lines.block()
+            first, data = lines.read_block()
             if not data:
                 break
             table, at = self._read_plain(data, delimiter, comment)
             if table is None:
-                table, at = self._read_singly(lines.cut(first, data), split, first)
+                table, at = self._read_singly(lines.split_block(first, data), split, first)
             self._lines.append(_compact(first, at))
             for k, column in enumerate(self.names):
                 self._columns[column].add(table[str(k)])
@@ -107,14 +107,14 @@ class NumberTable:
     def _read_plain(
         self, data: bytes, delimiter: str | None, comment: str | None
     ) -> tuple[AnyArray | None, AnyArray]:
-        """Return a block's rows, and which of its lines they are; None where one is not plain."""
+        """Return a block's rows, and their lines; None where one is not plain."""
         none = np.empty(0, np.int32)
         if not data.isascii() or b"\0" in data:
             return None, none
         if delimiter and self._may_lack.any():
             if b"n" in data or b"N" in data:  # of nan, which stands for an empty cell below
                 return None, none
-            data = _with_nan(data, delimiter.encode("ascii"))
+            data = _fill_empty_cells(data, delimiter.encode("ascii"))
         mark = comment.encode("ascii") if comment else None
 
         def is_row(line: bytes) -> bool:
@@ -146,25 +146,22 @@ class NumberTable:
         split: Callable[[str], list[str] | None],
         first: int,
     ) -> tuple[AnyArray, AnyArray]:
-        """Return a block's rows, read one by one, so that the one that is wrong is named."""
+        """Return a block's rows, parsed one by one, so that the faulty one is named."""
         table, at = [], []
         for line, text in lines:
             cells = split(text)
             if cells is not None:
-                table.append(self._numbers(line, cells))
+                if len(cells) != len(self.names):
+                    raise RecordingError(
+                        "{name}:{line}: there are {n} columns; expected {names}",
+                        name=self.name,
+                        line=line,
+                        n=len(cells),
+                        names=len(self.names),
+                    )
+                table.append(tuple(self._number(line, k, cell) for k, cell in enumerate(cells)))
                 at.append(line - first)
         return np.array(table, self._row), np.array(at, np.int32)
-
-    def _numbers(self, line: int, cells: list[str]) -> tuple[float, ...]:
-        if len(cells) != len(self.names):
-            raise RecordingError(
-                "{name}:{line}: there are {n} columns; expected {names}",
-                name=self.name,
-                line=line,
-                n=len(cells),
-                names=len(self.names),
-            )
-        return tuple(self._number(line, k, cell) for k, cell in enumerate(cells))
 
     def _number(self, line: int, column: int, cell: str) -> float:
         name, exact = self.names[column], self._exact[column]
@@ -187,7 +184,7 @@ class NumberTable:
         )
 
     def line(self, row: int) -> int:
-        """The line that a row came from."""
+        """The line number of a row."""
         for lines in self._lines:
             if row < len(lines):
                 return int(lines[row])
@@ -203,16 +200,16 @@ class NumberTable:
         return None
 
     def unread(self) -> list[str]:
-        """Columns that nobody asked for."""
+        """Columns that were not read."""
         return [name for name in self.names if name not in self._asked]
 
-    def let_go(self, *names: str) -> None:
-        """Forget the values of columns that are not asked for again."""
+    def drop(self, *names: str) -> None:
+        """Drop the values of columns that are not read again."""
         for name in names:
             self._columns.pop(name, None)
 
     def check(self, name: str, values: AnyArray, low: float, high: float) -> AnyArray:
-        """Return values that lie between bounds.
+        """Refuse values outside bounds; return them.
 
         Raises
         ------
@@ -233,7 +230,7 @@ class NumberTable:
         return values
 
 
-def _with_nan(data: bytes, delimiter: bytes) -> bytes:
+def _fill_empty_cells(data: bytes, delimiter: bytes) -> bytes:
     """Return whole lines with nan in their empty cells, ten times as fast as re.sub."""
     double, n = 2 * delimiter, b"nan"
     for _ in range(2 if double in data else 0):  # of three in a row every second one at a time
@@ -254,7 +251,7 @@ def _compact(first: int, lines: AnyArray) -> range | AnyArray:
 
 
 class _Column:
-    """Numbers that grow, in pieces: an array that grew as a whole would be there twice."""
+    """A growing column of numbers, in pieces: growing one array would hold it twice in memory."""
 
     def __init__(self, kind: type) -> None:
         self._kind = kind
@@ -264,8 +261,8 @@ class _Column:
     def add(self, block: AnyArray) -> None:
         while len(block):
             if not self._pieces or self._n_last == len(self._pieces[-1]):
-                room = 2 * len(self._pieces[-1]) if self._pieces else _FEWEST
-                self._pieces.append(np.empty(min(room, _MOST), self._kind))
+                capacity = 2 * len(self._pieces[-1]) if self._pieces else _FEWEST
+                self._pieces.append(np.empty(min(capacity, _MOST), self._kind))
                 self._n_last = 0
             piece = self._pieces[-1]
             n = min(len(block), len(piece) - self._n_last)
@@ -274,7 +271,7 @@ class _Column:
             block = block[n:]
 
     def values(self) -> AnyArray:
-        """All of them in one array."""
+        """All pieces in one array."""
         last = self._pieces[-1:]
         if last and self._n_last < len(last[0]):
             last = [last[0][: self._n_last]]

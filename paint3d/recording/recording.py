@@ -1,4 +1,4 @@
-"""Reading and writing recordings; the format of a file is told by its contents.
+"""Reading and writing recordings; the format of a file is recognized by its contents.
 
 W3C InkML, tables with named columns (CSV) and plain tables of ``time x y pressure`` are read, and
 the native form, JSON Lines: a header, then one sample a line. Any of them may be gzipped, whatever
@@ -38,24 +38,23 @@ from paint3d.core.atomic import write_atomically
 from paint3d.device.recorded import FORMAT, MAX_FORCE_N, UNIT_TOLERANCE, Recording, checked_header
 from paint3d.errors import ExportError, RecordingError
 from paint3d.recording.flat_recording import MM_PER_PIXEL, notes_of
-from paint3d.recording.read_table import read_csv, read_plain_table, write_csv
+from paint3d.recording.table import read_csv, read_plain_table, write_csv
 from paint3d.recording.units import TO_MM, units_of
 
 __all__ = [
     "AT_REST",
-    "LONGEST_REST_S",
     "MAX_LINE",
     "HandTime",
     "Recording",
     "SampleRows",
     "TextLines",
     "decode_line",
+    "fraction_reporter",
     "load_recording",
-    "opened",
+    "open_recording",
     "sample_lines",
     "save_lines",
     "save_recording",
-    "share_read",
     "write_jsonl",
 ]
 
@@ -74,10 +73,10 @@ _LARGEST = 1e9
 MAX_LINE = 1 << 16
 _MAX_BYTES = 1 << 29
 _BLOCK = 1 << 21  # bytes
-_TELL_EVERY = 1 << 14  # lines
+_REPORT_EVERY = 1 << 14  # lines
 AT_REST = (0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0)
 """Position and orientation of an object that never moved."""
-_MARK = b"\xef\xbb\xbf"  # that some programs put before UTF-8
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"  # that some programs put before UTF-8
 
 
 def load_recording(
@@ -98,7 +97,7 @@ def load_recording(
     y_down : bool
         Whether y grows downwards in files of pads that do not say, as on screens.
     progress : callable, optional
-        Called with the share of the file that is read, now and then; what it raises stops it.
+        Called with the fraction of the file that is read, now and then; what it raises stops it.
 
     Raises
     ------
@@ -106,19 +105,46 @@ def load_recording(
         ``file:line: what is X; expected Y`` for anything that is wrong with the file, and when
         it cannot be read at all.
     """
-    name = Path(path).name
-    with opened(path) as (raw, stream):
+    file = Path(path)
+    name = file.name
+    with open_recording(path) as (raw, stream):
         start = stream.peek(512)[:512].lstrip(b"\xef\xbb\xbf \t\r\n")
-        on_read = None if progress is None else share_read(raw, progress)
-        recording = _read(stream, start, name, Path(path), scale, y_down, on_read)
+        on_read = None if progress is None else fraction_reporter(raw, progress)
+        if start.startswith(b"<"):
+            from paint3d.recording.inkml import read_inkml  # XML, which few recordings are in
+
+            data = stream.read(_MAX_XML_BYTES + 1)
+            if len(data) > _MAX_XML_BYTES:
+                raise RecordingError(
+                    "{name}: the InkML is longer than {most} bytes",
+                    name=name,
+                    most=_MAX_XML_BYTES,
+                )
+            recording = read_inkml(data, name, scale=scale, y_down=y_down)
+        else:
+            lines = TextLines(stream, name, on_read)
+            suffixes = [s.lower() for s in file.suffixes]
+            if start.startswith(b"{") or ".jsonl" in suffixes or ".json" in suffixes or not start:
+                recording = _read_jsonl(lines, name)
+            elif ".csv" in suffixes or start.startswith(b"#") or b"," in start.split(b"\n", 1)[0]:
+                recording = read_csv(lines, name, scale=scale, y_down=y_down)
+            elif start[:1] in b"+-.0123456789":
+                recording = read_plain_table(lines, name, scale=scale, y_down=y_down)
+            else:
+                raise RecordingError(
+                    "{name}:1: the file starts with {start!r}; expected JSON Lines, InkML, CSV or "
+                    "a table of time, x, y, pressure",
+                    name=name,
+                    start=start[:20],
+                )
     for note in notes_of(recording.header):
         _LOG.warning("%s: %s", path, note)
     return recording
 
 
 @contextmanager
-def opened(path: str | os.PathLike[str]) -> Iterator[tuple[BinaryIO, io.BufferedReader]]:
-    """A recording's file, and what it holds when it is unpacked.
+def open_recording(path: str | os.PathLike[str]) -> Iterator[tuple[BinaryIO, io.BufferedReader]]:
+    """Open a recording's file: the raw file, and its bytes when they are unpacked.
 
     Raises
     ------
@@ -127,7 +153,8 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[BinaryIO, io.Buffered
     """
     try:
         with open(path, "rb") as raw:
-            yield raw, _decompressed(raw)
+            is_zipped = raw.peek(2)[:2] == _GZIP_MAGIC
+            yield raw, io.BufferedReader(gzip.GzipFile(fileobj=raw)) if is_zipped else raw
     except (EOFError, gzip.BadGzipFile, zlib.error) as cause:
         name = Path(path).name
         raise RecordingError(
@@ -143,63 +170,18 @@ def opened(path: str | os.PathLike[str]) -> Iterator[tuple[BinaryIO, io.Buffered
         ) from None
 
 
-def _read(
-    stream: BinaryIO,
-    start: bytes,
-    name: str,
-    path: Path,
-    scale: float,
-    y_down: bool,
-    on_read: Callable[[], None] | None,
-) -> Recording:
-    if start.startswith(b"<"):
-        from paint3d.recording.read_inkml import read_inkml  # XML, which few recordings are in
-
-        return read_inkml(_whole(stream, name), name, scale=scale, y_down=y_down)
-    lines = TextLines(stream, name, on_read)
-    suffixes = [s.lower() for s in path.suffixes]
-    if start.startswith(b"{") or ".jsonl" in suffixes or ".json" in suffixes or not start:
-        return _read_jsonl(lines, name)
-    if ".csv" in suffixes or start.startswith(b"#") or b"," in start.split(b"\n", 1)[0]:
-        return read_csv(lines, name, scale=scale, y_down=y_down)
-    if start[:1] in b"+-.0123456789":
-        return read_plain_table(lines, name, scale=scale, y_down=y_down)
-    raise RecordingError(
-        "{name}:1: the file starts with {start!r}; expected JSON Lines, InkML, CSV or a table of "
-        "time, x, y, pressure",
-        name=name,
-        start=start[:20],
-    )
-
-
-def _decompressed(raw: io.BufferedReader) -> io.BufferedReader:
-    """Bytes of a file, whether it is gzipped or not."""
-    if raw.peek(2)[:2] == _GZIP_MAGIC:
-        return io.BufferedReader(gzip.GzipFile(fileobj=raw))
-    return raw
-
-
-def share_read(raw: BinaryIO, progress: Callable[[float], None]) -> Callable[[], None] | None:
-    """Function that says how much of a file has been read, packed or not; None of a pipe."""
+def fraction_reporter(
+    raw: BinaryIO, progress: Callable[[float], None]
+) -> Callable[[], None] | None:
+    """Return a function that reports the fraction of a file read so far; None of a pipe."""
     if not raw.seekable():
         return None
     size = max(1, os.fstat(raw.fileno()).st_size)
     return lambda: progress(min(1.0, raw.tell() / size))
 
 
-def _whole(stream: BinaryIO, name: str) -> bytes:
-    data = stream.read(_MAX_XML_BYTES + 1)
-    if len(data) > _MAX_XML_BYTES:
-        raise RecordingError(
-            "{name}: the InkML is longer than {most} bytes",
-            name=name,
-            most=_MAX_XML_BYTES,
-        )
-    return data
-
-
 class TextLines:
-    """Iterates over (number from 1, text) of the lines that were not handed out as a block yet.
+    """Iterate over (number from 1, text) of the lines that were not returned in a block yet.
 
     Parameters
     ----------
@@ -229,12 +211,12 @@ class TextLines:
         if not line:
             raise StopIteration
         self._number += 1
-        if self._on_read is not None and self._number % _TELL_EVERY == 0:
+        if self._on_read is not None and self._number % _REPORT_EVERY == 0:
             self._on_read()
         self._n_bytes += len(line)
-        return self._number, self._checked(line, self._number, self._n_bytes)
+        return self._number, self._decode(line, self._number, self._n_bytes)
 
-    def block(self) -> tuple[int, bytes]:
+    def read_block(self) -> tuple[int, bytes]:
         """The number of the next line, and some 2 MiB of whole lines; none at the end.
 
         What is in them is not looked at: `cut` does that.
@@ -251,14 +233,16 @@ class TextLines:
             data += self._stream.readline(MAX_LINE + 1)
         first = self._number + 1
         if self._n_bytes + len(data) > _MAX_BYTES:
-            for _ in self.cut(first, data):  # some line is one too many, or wrong before that
+            for _ in self.split_block(
+                first, data
+            ):  # some line is one too many, or wrong before that
                 pass
         self._number += data.count(b"\n") + (not data.endswith(b"\n"))
         self._n_bytes += len(data)
-        return first, data.removeprefix(_MARK) if first == 1 else data
+        return first, data.removeprefix(_BYTE_ORDER_MARK) if first == 1 else data
 
-    def cut(self, first: int, data: bytes) -> Iterator[tuple[int, str]]:
-        """Numbers and texts of the lines in a block whose first has the number `first`.
+    def split_block(self, first: int, data: bytes) -> Iterator[tuple[int, str]]:
+        """Yield numbers and texts of the lines in a block whose first has the number `first`.
 
         Raises
         ------
@@ -269,10 +253,10 @@ class TextLines:
         lines = io.BytesIO(data)
         for number, line in enumerate(iter(lambda: lines.readline(MAX_LINE + 1), b""), first):
             n_bytes += len(line)
-            yield number, self._checked(line, number, n_bytes)
+            yield number, self._decode(line, number, n_bytes)
 
-    def _checked(self, line: bytes, number: int, n_bytes: int) -> str:
-        """A line's text; `n_bytes` were read with it."""
+    def _decode(self, line: bytes, number: int, n_bytes: int) -> str:
+        """Text of a line, which with all before it has `n_bytes`."""
         if len(line) > MAX_LINE:
             raise RecordingError(
                 "{name}:{number}: the line is longer than {most} bytes",
@@ -299,7 +283,7 @@ class TextLines:
 
 
 def _read_jsonl(lines: Iterator[tuple[int, str]], name: str) -> Recording:
-    """The recording in numbered lines of text.
+    """Read the recording in numbered lines of text.
 
     Parameters
     ----------
@@ -318,7 +302,16 @@ def _read_jsonl(lines: Iterator[tuple[int, str]], name: str) -> Recording:
     if first is None:
         raise RecordingError("{name}:1: the file is empty; expected a header line", name=name)
     try:
-        header = _file_header(decode_line(first[1]))
+        header = decode_line(first[1])
+        for key in ("format", "version"):
+            if key not in header:
+                raise RecordingError(
+                    "the header has no {key!r}; expected {key!r} of {expected!r}",
+                    key=key,
+                    expected=FORMAT,
+                )
+        units = {"position": "mm", "time": "ns", "force": "N", **units_of(header)}
+        header = {**header, "units": units}
         if header["version"] == 2:
             raise RecordingError(
                 "version is 2; expected 1, a recording of samples: this is a whole painting, which "
@@ -379,30 +372,18 @@ def decode_line(text: str) -> dict[str, Any]:
     return value
 
 
-def _file_header(header: dict[str, Any]) -> dict[str, Any]:
-    for key in ("format", "version"):
-        if key not in header:
-            raise RecordingError(
-                "the header has no {key!r}; expected {key!r} of {expected!r}",
-                key=key,
-                expected=FORMAT,
-            )
-    merged = {"position": "mm", "time": "ns", "force": "N", **units_of(header)}
-    return {**header, "units": merged}
-
-
 class SampleRows:
-    """Samples on their way into arrays; every check is made while the line is known.
+    """Collect samples for arrays; every check is made while the line is known.
 
     Parameters
     ----------
     scale : float
         mm per unit of length.
-    held : sequence of 7 floats
+    object_pose : sequence of 7 floats
         Position (in the lines' unit) and orientation of the object as the lines before say it.
     """
 
-    def __init__(self, scale: float, held: Sequence[float] = AT_REST) -> None:
+    def __init__(self, scale: float, object_pose: Sequence[float] = AT_REST) -> None:
         self.scale = scale
         self.times: list[int] = []
         self.positions: list[list[float]] = []
@@ -412,7 +393,7 @@ class SampleRows:
         self.object_positions: list[list[float]] = []
         self.object_orientations: list[list[float]] = []
         self.contacts: list[list[float]] = []
-        self.object = (list(held[:3]), list(held[3:]))
+        self.object = (list(object_pose[:3]), list(object_pose[3:]))
         self.accepted = set(_KEYS)
 
     def add(self, sample: dict[str, Any]) -> None:
@@ -424,23 +405,25 @@ class SampleRows:
             If it is no sample, or cannot follow those before it.
         """
         if not self.accepted.issuperset(sample):
-            self._accept(sample)
-        right = _nested(sample, _RIGHT) or sample
+            self._accept_keys(sample)
+        right = _optional_object(sample, _RIGHT) or sample
         if right is not sample and not self.accepted.issuperset(right):
-            self._accept(right)
-        time_ns = _integer(sample if "time_ns" in sample else right, "time_ns", -(2**62), 2**62)
+            self._accept_keys(right)
+        time_ns = _read_integer(
+            sample if "time_ns" in sample else right, "time_ns", -(2**62), 2**62
+        )
         if self.times and time_ns <= self.times[-1]:
             raise RecordingError(
                 "time_ns is {time_ns}; expected more than {times}, the sample before it",
                 time_ns=time_ns,
                 times=self.times[-1],
             )
-        position = _vector(right, "position", 3, _LARGEST)
-        orientation = _quaternion(right)
-        pressure = _pressure(right)
+        position = _read_vector(right, "position", 3, _LARGEST)
+        orientation = _read_quaternion(right)
+        pressure = _read_pressure(right)
         contact = _NOWHERE
         if right.get("contact") is not None:
-            contact = _vector(right, "contact", 3, _LARGEST)
+            contact = _read_vector(right, "contact", 3, _LARGEST)
             if pressure is None:
                 raise RecordingError("contact is given without a pressure; expected both")
         if self.times and (pressure is None) != (self.pressures[0] is None):
@@ -450,11 +433,11 @@ class SampleRows:
             )
         button_owner = right if "buttons" in right else sample
         buttons = (
-            _integer(button_owner, "buttons", 0, 2**31 - 1) if "buttons" in button_owner else 0
+            _read_integer(button_owner, "buttons", 0, 2**31 - 1) if "buttons" in button_owner else 0
         )
-        left = _nested(sample, _LEFT)
+        left = _optional_object(sample, _LEFT)
         if left is not None:
-            self.object = (_vector(left, "position", 3, _LARGEST), _quaternion(left))
+            self.object = (_read_vector(left, "position", 3, _LARGEST), _read_quaternion(left))
         self.times.append(time_ns)
         self.positions.append(position)
         self.orientations.append(orientation)
@@ -464,7 +447,8 @@ class SampleRows:
         self.object_positions.append(self.object[0])
         self.object_orientations.append(self.object[1])
 
-    def _accept(self, keys: dict[str, Any]) -> None:
+    def _accept_keys(self, keys: dict[str, Any]) -> None:
+        """Ignore unknown keys from now on, unless one looks like a typing error."""
         for key in keys:
             near = difflib.get_close_matches(key, _KEYS, n=1, cutoff=0.8)
             if key not in self.accepted and near:
@@ -472,7 +456,7 @@ class SampleRows:
             self.accepted.add(key)
 
     def recording(self, header: dict[str, Any]) -> Recording:
-        """All of them; at least one was added."""
+        """Recording of all samples; at least one was added."""
         with_pressure = self.pressures[0] is not None
         return Recording(
             np.array(self.times, dtype=np.int64),
@@ -487,7 +471,7 @@ class SampleRows:
         )
 
 
-def _nested(sample: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any] | None:
+def _optional_object(sample: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any] | None:
     for name in names:
         value = sample.get(name)
         if value is not None:
@@ -501,7 +485,7 @@ def _nested(sample: dict[str, Any], names: tuple[str, ...]) -> dict[str, Any] | 
     return None
 
 
-def _vector(owner: dict[str, Any], key: str, n: int, largest: float) -> list[float]:
+def _read_vector(owner: dict[str, Any], key: str, n: int, largest: float) -> list[float]:
     value = owner.get(key)
     if type(value) is not list or len(value) != n:
         got = "missing" if key not in owner else f"{value!r:.60}"
@@ -519,8 +503,8 @@ def _vector(owner: dict[str, Any], key: str, n: int, largest: float) -> list[flo
     return value
 
 
-def _quaternion(owner: dict[str, Any]) -> list[float]:
-    w, x, y, z = value = _vector(owner, "orientation", 4, 2.0)
+def _read_quaternion(owner: dict[str, Any]) -> list[float]:
+    w, x, y, z = value = _read_vector(owner, "orientation", 4, 2.0)
     length = (w * w + x * x + y * y + z * z) ** 0.5
     if abs(length - 1.0) > UNIT_TOLERANCE:
         raise RecordingError(
@@ -531,7 +515,7 @@ def _quaternion(owner: dict[str, Any]) -> list[float]:
     return value
 
 
-def _pressure(owner: dict[str, Any]) -> float | None:
+def _read_pressure(owner: dict[str, Any]) -> float | None:
     for key, most in (("pressure", 1.0), ("force", MAX_FORCE_N)):
         value = owner.get(key)
         if value is None:
@@ -550,7 +534,7 @@ def _pressure(owner: dict[str, Any]) -> float | None:
     return None
 
 
-def _integer(owner: dict[str, Any], key: str, least: int, most: int) -> int:
+def _read_integer(owner: dict[str, Any], key: str, least: int, most: int) -> int:
     value = owner.get(key)
     if type(value) is not int or not least <= value <= most:
         got = "missing" if key not in owner else f"{value!r:.60}"
@@ -570,40 +554,40 @@ def write_jsonl(recording: Recording) -> Iterator[str]:
     yield from sample_lines(recording)
 
 
-def sample_lines(recording: Recording, held: AnyArray | None = None) -> Iterator[str]:
-    """The lines of a recording's samples.
+def sample_lines(recording: Recording, object_pose: AnyArray | None = None) -> Iterator[str]:
+    """Yield the lines of a recording's samples.
 
     Parameters
     ----------
     recording : Recording
-    held : (7,) float64, optional
+    object_pose : (7,) float64, optional
         Position and orientation of the object as the lines before say it: it is said again where it
         is another one, and then written here. By default it is where it was before it moved.
     """
     poses = np.hstack([recording.object_position, recording.object_orientation])
-    previous = np.array(AT_REST) if held is None else held
+    previous = np.array(AT_REST) if object_pose is None else object_pose
     pressures = recording.pressure
     for i in range(len(recording)):
         parts = [
             f'{{"time_ns":{recording.time_ns[i]}',
-            f'"position":{_compact(recording.position[i])}',
-            f'"orientation":{_compact(recording.orientation[i])}',
+            f'"position":{_format_numbers(recording.position[i])}',
+            f'"orientation":{_format_numbers(recording.orientation[i])}',
         ]
         if pressures is not None:
-            parts.append(f'"pressure":{_compact(pressures[i : i + 1])[1:-1]}')
+            parts.append(f'"pressure":{_format_numbers(pressures[i : i + 1])[1:-1]}')
         parts.append(f'"buttons":{recording.buttons[i]}')
         if recording.contact is not None and not np.isnan(recording.contact[i, 0]):
-            parts.append(f'"contact":{_compact(recording.contact[i])}')
+            parts.append(f'"contact":{_format_numbers(recording.contact[i])}')
         if (poses[i] != previous).any():
             previous[:] = poses[i]
             parts.append(
-                f'"object":{{"position":{_compact(previous[:3])},'
-                f'"orientation":{_compact(previous[3:])}}}'
+                f'"object":{{"position":{_format_numbers(previous[:3])},'
+                f'"orientation":{_format_numbers(previous[3:])}}}'
             )
         yield ",".join(parts) + "}\n"
 
 
-def _compact(numbers: AnyArray) -> str:
+def _format_numbers(numbers: AnyArray) -> str:
     words = (repr(number) for number in numbers.tolist())
     return (
         "["
@@ -613,7 +597,7 @@ def _compact(numbers: AnyArray) -> str:
 
 
 def _inkml(recording: Recording) -> Iterator[str]:
-    from paint3d.recording.read_inkml import write_inkml
+    from paint3d.recording.inkml import write_inkml
 
     return write_inkml(recording)
 
@@ -682,32 +666,28 @@ def save_lines(
             writers=", ".join(writers),
         )
     with write_atomically(target, progress) as part, open(part, "wb") as raw:
-        _write_lines(writers[suffix](), raw, zipped)
-
-
-def _write_lines(lines: Iterable[str], raw: BinaryIO, zipped: bool) -> None:
-    """Write lines to a file, gzipped or not; the same lines give the same bytes."""
-    data = "".join(lines).encode()
-    if not zipped:
-        raw.write(data)
-        return
-    with gzip.GzipFile(filename="", mode="wb", fileobj=raw, mtime=0) as packed:
-        packed.write(data)
+        data = "".join(writers[suffix]()).encode()
+        if not zipped:
+            raw.write(data)
+            return
+        # without a name and a time the same lines give the same bytes
+        with gzip.GzipFile(filename="", mode="wb", fileobj=raw, mtime=0) as packed:
+            packed.write(data)
 
 
 # ---- Without long rests --------------------------------------------------------------------------
 # The time of the hand in a recording, as it is shown again: without long rests.
 
 
-LONGEST_REST_S = 1.0
+_LONGEST_REST_S = 1.0
 _BETWEEN_S = 0.3  # between two strokes whose clocks have nothing to do with each other
 
 
 class HandTime:
     """Counts the time that a film or a playback takes at the hand's own speed.
 
-    Between two samples as much time passes as between them did, but at most `LONGEST_REST_S`, since
-    nothing is to be seen then; where ink spreads meanwhile, that counts in full.
+    Between two samples as much time passes as between them did, but at most `_LONGEST_REST_S`,
+    since nothing is to be seen then; where ink spreads meanwhile, that counts in full.
 
     Parameters
     ----------
@@ -727,7 +707,7 @@ class HandTime:
         self._ink_s = 0.0
 
     def pass_samples(self, time_ns: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Count some samples, (N,) ns, that follow those before; when each is, (N,) s."""
+        """Count samples, (N,) ns, that follow those before; return when each is, (N,) s."""
         if not len(time_ns):
             return np.zeros(0)
         gaps = np.diff(time_ns, prepend=time_ns[:1]) * 1e-9
@@ -735,7 +715,7 @@ class HandTime:
             since = (int(time_ns[0]) - self._last_ns) * 1e-9
             gaps[0] = max(0.0, (since if since >= 0.0 else _BETWEEN_S) - self._ink_s)
         if not self._in_full:
-            gaps = np.minimum(gaps, LONGEST_REST_S)
+            gaps = np.minimum(gaps, _LONGEST_REST_S)
         when = self.seconds + np.cumsum(gaps)
         self._last_ns, self._ink_s = int(time_ns[-1]), 0.0
         self.seconds = float(when[-1])

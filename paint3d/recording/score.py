@@ -29,14 +29,13 @@ from paint3d.recording.recording import (
     SampleRows,
     TextLines,
     decode_line,
-    opened,
+    fraction_reporter,
+    open_recording,
     sample_lines,
     save_lines,
-    share_read,
 )
 
 __all__ = [
-    "SCHEMA",
     "VERSION",
     "Event",
     "Score",
@@ -45,7 +44,7 @@ __all__ = [
     "check_sample",
     "command_names",
     "is_score",
-    "joined_parts",
+    "join_adjacent",
     "load_score",
     "read_score",
     "save_score",
@@ -57,15 +56,15 @@ __all__ = [
 # What a line of a recording of version 2 may say: its JSON Schema, and the check of a line.
 
 
-SCHEMA = Path(__file__).parent / "data" / "score.schema.json"
+_SCHEMA = Path(__file__).parent / "data" / "score.schema.json"
 _DRAFT = "http://json-schema.org/draft-07/schema#"
 
 
 @lru_cache(maxsize=1)
 def schema() -> Mapping[str, Any]:
     """The schema of a line."""
-    found: Mapping[str, Any] = json.loads(SCHEMA.read_text(encoding="utf-8"))
-    return found
+    loaded: Mapping[str, Any] = json.loads(_SCHEMA.read_text(encoding="utf-8"))
+    return loaded
 
 
 @lru_cache(maxsize=1)
@@ -83,12 +82,12 @@ def check_header(line: Mapping[str, Any]) -> None:
     RecordingError
         What is what, and what was expected.
     """
-    _check(line, "header")
+    _check_line(line, "header")
 
 
 def check_sample(line: Mapping[str, Any]) -> None:
     """Refuse a line that is no sample; see `check_header`."""
-    _check(line, "sample")
+    _check_line(line, "sample")
 
 
 def check_command(line: Mapping[str, Any]) -> None:
@@ -106,10 +105,10 @@ def check_command(line: Mapping[str, Any]) -> None:
         raise RecordingError(
             "do is {name!r:.60}; expected one of {known}", name=name, known=", ".join(known)
         )
-    _check(line, str(name))
+    _check_line(line, str(name))
 
 
-def _check(line: Mapping[str, Any], kind: str) -> None:
+def _check_line(line: Mapping[str, Any], kind: str) -> None:
     try:
         _validator(kind)(line)
         if kind != "sample":  # whose numbers have been read or measured, and are finite
@@ -149,12 +148,14 @@ def _check(line: Mapping[str, Any], kind: str) -> None:
 def _validator(kind: str) -> Callable[[Mapping[str, Any]], object]:
     # Draft 7 means the same as the schema's own 2020-12 by all the words that are used here.
     rule = {"$schema": _DRAFT, "$defs": schema()["$defs"], "$ref": f"#/$defs/{kind}"}
-    found: Callable[[Mapping[str, Any]], object] = fastjsonschema.compile(rule, use_default=False)
-    return found
+    validate: Callable[[Mapping[str, Any]], object] = fastjsonschema.compile(
+        rule, use_default=False
+    )
+    return validate
 
 
 def _in_words(rule: Mapping[str, Any]) -> str:
-    """Words for what a rule of the schema allows."""
+    """Describe the values that a rule of the schema allows."""
     if "$ref" in rule:
         return _in_words(schema()["$defs"][rule["$ref"].rpartition("/")[2]])
     if "anyOf" in rule:
@@ -217,7 +218,9 @@ class Score:
     name: str = ""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "header", _filled(self.header))
+        filled = {"format": "paint3d-recording", "version": VERSION, **self.header}
+        check_header(filled)
+        object.__setattr__(self, "header", filled)
         object.__setattr__(self, "events", tuple(self.events))
         strokes = _Strokes()
         for k, event in enumerate(self.events):
@@ -237,20 +240,20 @@ class Score:
         return sum(len(event) for event in self.events if isinstance(event, Recording))
 
     def where(self, event: int) -> str:
-        """Place of an event, for messages."""
+        """Position of an event in its file or in the score, for messages."""
         if event < len(self.lines):
             return f"{self.name}:{self.lines[event]}"
         return f"{self.name}: event {event + 1}" if self.name else f"event {event + 1}"
 
     def strokes(self) -> list[Recording]:
-        """The strokes, each with all its samples, whatever became of them later."""
-        found: list[list[Recording]] = []
+        """The strokes with all their samples, also those undone later."""
+        parts_of_strokes: list[list[Recording]] = []
         for event in self.events:
             if isinstance(event, Recording):
-                found[-1].append(event)
+                parts_of_strokes[-1].append(event)
             elif event["do"] == "begin_stroke":
-                found.append([])
-        return [_joined(parts) for parts in found if parts]
+                parts_of_strokes.append([])
+        return [_join_parts(parts) for parts in parts_of_strokes if parts]
 
 
 class _Strokes:
@@ -271,14 +274,8 @@ class _Strokes:
             self.is_open = False
 
 
-def _filled(header: Mapping[str, Any]) -> dict[str, Any]:
-    filled = {"format": "paint3d-recording", "version": VERSION, **header}
-    check_header(filled)
-    return filled
-
-
-def _joined(parts: list[Recording]) -> Recording:
-    """Samples of one stroke, which something was asked for between."""
+def _join_parts(parts: list[Recording]) -> Recording:
+    """Join the samples of one stroke that commands had parted."""
     if len(parts) == 1:
         return parts[0]
     nowhere = [np.full((len(part), 3), np.nan) for part in parts]
@@ -293,13 +290,13 @@ def _joined(parts: list[Recording]) -> Recording:
     return Recording(**columns)
 
 
-def joined_parts(events: Iterable[Event]) -> list[Event]:
-    """Events with one recording where several follow each other."""
+def join_adjacent(events: Iterable[Event]) -> list[Event]:
+    """Events with recordings that follow each other joined into one."""
     joined: list[Event] = []
     for event in events:
         last = joined[-1] if joined else None
         if isinstance(event, Recording) and isinstance(last, Recording):
-            joined[-1] = _joined([last, event])
+            joined[-1] = _join_parts([last, event])
         else:
             joined.append(event)
     return joined
@@ -310,7 +307,7 @@ def is_score(path: str | os.PathLike[str]) -> bool:
     if not os.path.isfile(path):  # what is looked at in a pipe would be gone
         return False
     try:
-        with opened(path) as (_, stream):
+        with open_recording(path) as (_, stream):
             header = decode_line(stream.readline(MAX_LINE + 1).decode("utf-8-sig"))
     except (UnicodeDecodeError, RecordingError):
         return False
@@ -326,7 +323,7 @@ def load_score(
     ----------
     path : path-like
     progress : callable, optional
-        Called with the share of the file that is read, now and then; what it raises stops it.
+        Called with the fraction of the file that is read, now and then; what it raises stops it.
 
     Raises
     ------
@@ -335,13 +332,13 @@ def load_score(
         cannot be read at all.
     """
     name = Path(path).name
-    with opened(path) as (raw, stream):
-        on_read = None if progress is None else share_read(raw, progress)
+    with open_recording(path) as (raw, stream):
+        on_read = None if progress is None else fraction_reporter(raw, progress)
         return _read(TextLines(stream, name, on_read), name)
 
 
 def read_score(text: str, name: str) -> Score:
-    """The same of a text; `name` is what messages call it."""
+    """Read a recording of version 2 from a text; `name` is what messages call it."""
     return _read(iter(enumerate(text.splitlines(), 1)), name)
 
 
@@ -360,16 +357,16 @@ def _read(lines: Iterator[tuple[int, str]], name: str) -> Score:
         raise RecordingError(
             "{name}:{number}: {cause}", name=name, number=number, cause=cause
         ) from None
-    events, places = reader.finished()
-    return Score(header, events, places, name)
+    events, line_numbers = reader.finish()
+    return Score(header, events, line_numbers, name)
 
 
 class _Reader:
-    """Lines on their way into events; every check is made while the line is known."""
+    """Collect lines into events; every check is made while the line is known."""
 
     def __init__(self) -> None:
         self._events: list[Event] = []
-        self._places: list[int] = []
+        self._line_numbers: list[int] = []
         self._strokes = _Strokes()
         self._rows = SampleRows(1.0)
         self._began = 0
@@ -380,12 +377,12 @@ class _Reader:
             self._add_sample(number, line)
             return
         check_command(line)
-        self._put_samples()
+        self._flush_samples()
         self._strokes.follow(line)
         if line["do"] == "begin_stroke":
             self._last_ns = None
         self._events.append(line)
-        self._places.append(number)
+        self._line_numbers.append(number)
 
     def _add_sample(self, number: int, line: dict[str, Any]) -> None:
         if not self._strokes.is_open:
@@ -402,31 +399,31 @@ class _Reader:
         self._rows.add(line)
         self._last_ns = self._rows.times[-1]
 
-    def _put_samples(self) -> None:
+    def _flush_samples(self) -> None:
         rows = self._rows
         if rows.times:
             self._events.append(rows.recording({}))
-            self._places.append(self._began)
-            place, turn = rows.object
-            self._rows = SampleRows(1.0, [*place, *turn])
+            self._line_numbers.append(self._began)
+            position, turn = rows.object
+            self._rows = SampleRows(1.0, [*position, *turn])
 
-    def finished(self) -> tuple[tuple[Event, ...], tuple[int, ...]]:
-        self._put_samples()
-        return tuple(self._events), tuple(self._places)
+    def finish(self) -> tuple[tuple[Event, ...], tuple[int, ...]]:
+        self._flush_samples()
+        return tuple(self._events), tuple(self._line_numbers)
 
 
 def write_score(score: Score) -> Iterator[str]:
     """The lines of a score, each ending in a newline; numbers read back exactly."""
-    yield _line(score.header)
-    held = np.array(AT_REST)
+    yield _format_line(score.header)
+    object_pose = np.array(AT_REST)
     for event in score.events:
         if isinstance(event, Recording):
-            yield from sample_lines(event, held)
+            yield from sample_lines(event, object_pose)
         else:
-            yield _line(event)
+            yield _format_line(event)
 
 
-def _line(words: Mapping[str, Any]) -> str:
+def _format_line(words: Mapping[str, Any]) -> str:
     line = json.dumps(dict(words), ensure_ascii=False, separators=(", ", ": "), allow_nan=False)
     if len(line.encode()) >= MAX_LINE:
         raise ExportError(

@@ -25,7 +25,7 @@ from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.recording.score import Event, Score, check_command, joined_parts
+from paint3d.recording.score import Event, Score, check_command, join_adjacent
 from paint3d.recording.score_steps import ScoreSteps, ScoreStroke, follow_steps, stroke_of
 
 __all__ = [
@@ -36,29 +36,29 @@ __all__ = [
     "change_ink",
     "delete_stroke",
     "move_stroke",
-    "pressed_places",
+    "pressed_positions",
     "retime_stroke",
     "tangents_at",
 ]
 
 # ---- Strokes on a surface ------------------------------------------------------------------------
-# Strokes carried along the surface of an object, scaled or mirrored on it: places, and how the
+# Strokes carried along the surface of an object, scaled or mirrored on it: positions, and how the
 # brush stands on it.
 #
 # They go as a whole, like a stencil on a wall: from the tangent plane under their middle to that
-# at the place where it goes, by the smallest turn between the two normals. Then every sample
-# follows the surface under it: what lay under it comes to the nearest place, and the pose of the
-# brush to that place's normal as it was to the old one. On a plane a move is a translation and a
+# at the point where it goes, by the smallest turn between the two normals. Then every sample
+# follows the surface under it: what lay under it comes to the nearest point, and the pose of the
+# brush to that point's normal as it was to the old one. On a plane a move is a translation and a
 # turn, exactly.
 
 
 _STEPS = 64  # of the way along the surface
 _LEAST_STEP = 0.5  # a step that is shorter by so much has met an edge
-_NO_WAY_MM = 1e-9
+_NO_PATH_MM = 1e-9
 _MOST_TURN = 36000.0  # degrees
 _SMALLEST, _LARGEST = 0.05, 20.0  # scales
 _UPRIGHT = 0.9  # cosine to the vertical above which a normal is that of a table, not of a wall
-_BESIDE_MM, _BESIDE = 0.5, 0.35  # a place may be so far beside the nearest one's normal, and so
+_BESIDE_MM, _BESIDE = 0.5, 0.35  # a point may be so far beside the nearest one's normal, and so
 # many times its distance: farther, and it lies beyond an edge
 
 
@@ -80,22 +80,22 @@ def tangents_at(normal: ArrayLike) -> AnyArray:
     return np.array([np.cross(second, normal), second])
 
 
-def pressed_places(part: Recording) -> tuple[AnyArray, AnyArray]:
-    """The places (N, 3) that a recording means, in the object's frame, mm, and where it presses.
+def pressed_positions(part: Recording) -> tuple[AnyArray, AnyArray]:
+    """The points (N, 3) that a recording means, in the object's frame, mm, and where it presses.
 
     The second is (N,) bool, all of it without a pressure.
     """
-    return _in_object(part)[1], _pressed(part)
+    return _in_object(part)[1], _is_pressed(part)
 
 
 @dataclass(frozen=True)
 class _Stencil:
-    """A map of the surface: from about one place of it to about another, in the object's frame.
+    """A map of the surface: from about one point of it to about another, in the object's frame.
 
     Attributes
     ----------
-    middle, place : (3,) float64
-        A place, and where it comes to, mm.
+    middle, target : (3,) float64
+        A point, and where it comes to, mm.
     turn : (3, 3) float64
         What it does to directions: a rotation, or a reflection of determinant -1.
     factor : float
@@ -103,12 +103,12 @@ class _Stencil:
     """
 
     middle: AnyArray
-    place: AnyArray
+    target: AnyArray
     turn: AnyArray
     factor: float = 1.0
 
 
-def _moving(
+def _move_stencil(
     parts: Sequence[Recording],
     ground: ClosestPoints,
     along: tuple[float, float],
@@ -116,33 +116,33 @@ def _moving(
     to: ArrayLike | None,
 ) -> _Stencil:
     """The map of a move; see `move_stroke`."""
-    way = as_array(along, "along (mm)", (2,))
+    displacement = as_array(along, "along (mm)", (2,))
     angle = as_number(turn_deg, "turn (degrees)", -_MOST_TURN, _MOST_TURN)
-    middle, normal = _middle_of(parts, ground)
-    place, up, turn = middle, normal, np.eye(3)
+    middle, normal = _find_middle(parts, ground)
+    position, up, turn = middle, normal, np.eye(3)
     if to is not None:
-        ends = _ends(to)
-        found = ground.find(ends)
+        ends = _check_ends(to)
+        nearest = ground.find(ends)
         if len(ends) == 2:
-            middle, normal = found.points[0], found.normals[0]
-        place, up = found.points[-1], found.normals[-1]
+            middle, normal = nearest.points[0], nearest.normals[0]
+        position, up = nearest.points[-1], nearest.normals[-1]
         turn = _smallest_turns(normal[None], up[None])[0]
-    ahead = way @ tangents_at(up)
-    place, after, walked = _walk(ground, place, up, ahead)
-    return _Stencil(middle, place, _turn_about(after, np.radians(angle)) @ walked @ turn)
+    ahead = displacement @ tangents_at(up)
+    position, after, walked = _walk(ground, position, up, ahead)
+    return _Stencil(middle, position, _turn_about(after, np.radians(angle)) @ walked @ turn)
 
 
-def _middle_of(parts: Sequence[Recording], ground: ClosestPoints) -> tuple[AnyArray, AnyArray]:
-    """The place of the surface under the middle of strokes, and its normal; object's frame, mm."""
-    places = np.concatenate([_in_object(part)[1] for part in parts])
-    pressed = np.concatenate([_pressed(part) for part in parts])
-    found = ground.find(places[pressed] if pressed.any() else places)
-    middle = ground.find(found.points.mean(axis=0)[None])
+def _find_middle(parts: Sequence[Recording], ground: ClosestPoints) -> tuple[AnyArray, AnyArray]:
+    """The point of the surface under the middle of strokes, and its normal; object's frame, mm."""
+    positions = np.concatenate([_in_object(part)[1] for part in parts])
+    pressed = np.concatenate([_is_pressed(part) for part in parts])
+    nearest = ground.find(positions[pressed] if pressed.any() else positions)
+    middle = ground.find(nearest.points.mean(axis=0)[None])
     return middle.points[0], middle.normals[0]
 
 
-def _ends(to: ArrayLike) -> AnyArray:
-    """Place where something goes (1, 3), or from where and to where (2, 3)."""
+def _check_ends(to: ArrayLike) -> AnyArray:
+    """Target point (1, 3), or source and target (2, 3)."""
     try:
         return as_array(to, "to (mm)", (2, 3))
     except InputError:
@@ -150,39 +150,45 @@ def _ends(to: ArrayLike) -> AnyArray:
 
 
 def _walk(
-    ground: ClosestPoints, place: AnyArray, normal: AnyArray, ahead: AnyArray
+    ground: ClosestPoints, position: AnyArray, normal: AnyArray, ahead: AnyArray
 ) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Go straight ahead on the surface: where that leads, the normal there, and the turn (3, 3)."""
+    """Walk straight ahead on the surface: its end, the normal there, and the rotation (3, 3)."""
     turn = np.eye(3)
-    if np.linalg.norm(ahead) < _NO_WAY_MM:
-        return place, normal, turn
+    if np.linalg.norm(ahead) < _NO_PATH_MM:
+        return position, normal, turn
     start = normal
     step = ahead / _STEPS
     for k in range(_STEPS):
-        found = ground.find((place + turn @ step)[None])
-        if np.linalg.norm(found.points[0] - place) < _LEAST_STEP * np.linalg.norm(step):
+        nearest = ground.find((position + turn @ step)[None])
+        if np.linalg.norm(nearest.points[0] - position) < _LEAST_STEP * np.linalg.norm(step):
             raise RecordingError(
                 "its middle would come to the edge of the object after {k:.0%} of its way; "
                 "expected a place on it",
                 k=k / _STEPS,
             )
-        if np.array_equal(found.normals[0], start):
-            place = found.points[0]
+        if np.array_equal(nearest.normals[0], start):
+            position = nearest.points[0]
             continue
-        turn = _smallest_turns(start[None], found.normals)[0] @ turn
-        place, start = found.points[0], found.normals[0]
-    return place, start, turn
+        turn = _smallest_turns(start[None], nearest.normals)[0] @ turn
+        position, start = nearest.points[0], nearest.normals[0]
+    return position, start, turn
 
 
-def _follow(part: Recording, ground: ClosestPoints, stencil: _Stencil) -> Recording:
-    """The samples of a part where the stencil and the surface under it bring them."""
-    position, places, own = _in_object(part)
+def _carry_part(part: Recording, ground: ClosestPoints, stencil: _Stencil) -> Recording:
+    """Map a part's samples by a stencil, and onto the surface under it."""
+    position, positions, own = _in_object(part)
     turn, factor = stencil.turn, stencil.factor
-    was = ground.find(places)
-    wanted = stencil.place + factor * (was.points - stencil.middle) @ turn.T
+    was = ground.find(positions)
+    wanted = stencil.target + factor * (was.points - stencil.middle) @ turn.T
     now = ground.find(wanted)
-    beyond = _beyond(wanted - now.points, now.normals)
-    refused = beyond & _pressed(part)
+    # a sample lies beyond an edge where its nearest point of the surface is not under it
+    offsets = wanted - now.points
+    distance = np.linalg.norm(offsets, axis=1)
+    beside = np.linalg.norm(
+        offsets - np.sum(offsets * now.normals, axis=1)[:, None] * now.normals, axis=1
+    )
+    beyond = np.asarray(beside > _BESIDE_MM + _BESIDE * distance)
+    refused = beyond & _is_pressed(part)
     if refused.any():
         k = int(np.argmax(refused))
         off = float(np.linalg.norm(wanted[k] - now.points[k]))
@@ -198,8 +204,8 @@ def _follow(part: Recording, ground: ClosestPoints, stencil: _Stencil) -> Record
     moved = below + factor * np.einsum("nij,nj->ni", turns, position - was.points)
     contact = part.contact
     if contact is not None:
-        kept = below + factor * np.einsum("nij,nj->ni", turns, places - was.points)
-        contact = np.where(np.isnan(contact), np.nan, _to_world(part, kept))
+        points = below + factor * np.einsum("nij,nj->ni", turns, positions - was.points)
+        contact = np.where(np.isnan(contact), np.nan, _to_world(part, points))
     if np.linalg.det(turn) < 0.0:  # a mirrored brush is a brush again: its y the other way round
         frames = turns @ matrices_from_quaternions(own)
         frames[:, :, 1] *= -1.0
@@ -211,62 +217,51 @@ def _follow(part: Recording, ground: ClosestPoints, stencil: _Stencil) -> Record
     return replace(part, position=_to_world(part, moved), orientation=orientation, contact=contact)
 
 
-def _put(
+def _carry_strokes(
     score: Score,
     numbers: Sequence[int],
     mesh: TriangleMesh | ClosestPoints | None,
     stencil_of: Callable[[Sequence[Recording], ClosestPoints], _Stencil],
 ) -> Score:
-    """Strokes taken along by one map of the surface, which is made of the samples of all."""
+    """Map strokes by one stencil, made of the samples of all."""
     if mesh is None:
         raise InputError("strokes lie on an object; expected one to move, scale or mirror them on")
     ground = mesh if isinstance(mesh, ClosestPoints) else ClosestPoints(mesh)
     events = list(score.events)
-    places = [
+    parts = [
         (number, k, event)
         for number in numbers
-        for k in range(*_span(score, number))
+        for stroke in [stroke_of(score, number)[0]]
+        for k in range(stroke.begin, stroke.end)
         if isinstance(event := events[k], Recording)
     ]
     which = ", ".join(map(str, numbers))
     try:
-        stencil = stencil_of([part for _, _, part in places], ground)
-        for number, k, part in places:
+        stencil = stencil_of([part for _, _, part in parts], ground)
+        for number, k, part in parts:
             which = str(number)
-            events[k] = _follow(part, ground, stencil)
+            events[k] = _carry_part(part, ground, stencil)
     except RecordingError as cause:
         raise RecordingError("stroke {number}: {cause}", number=which, cause=cause) from None
     return _with_events(score, events)
 
 
-def _span(score: Score, number: int) -> tuple[int, int]:
-    stroke, _ = stroke_of(score, number)
-    return stroke.begin, stroke.end
-
-
-def _beyond(offsets: AnyArray, normals: AnyArray) -> AnyArray:
-    """(N,) bool: places whose nearest one on the surface does not lie under them."""
-    distance = np.linalg.norm(offsets, axis=1)
-    beside = np.linalg.norm(offsets - np.sum(offsets * normals, axis=1)[:, None] * normals, axis=1)
-    return np.asarray(beside > _BESIDE_MM + _BESIDE * distance)
-
-
-def _pressed(part: Recording) -> AnyArray:
+def _is_pressed(part: Recording) -> AnyArray:
     if part.pressure is None:
         return np.ones(len(part), bool)
     return np.asarray(part.pressure > 0.0)
 
 
 def _in_object(part: Recording) -> tuple[AnyArray, AnyArray, AnyArray]:
-    """Positions, the places that are meant (N, 3), and orientations (N, 4), in the object."""
+    """Positions, the points that are meant (N, 3), and orientations (N, 4), in the object."""
     back = matrices_from_quaternions(part.object_orientation).transpose(0, 2, 1)
     position = np.einsum("nij,nj->ni", back, part.position - part.object_position)
-    places = position
+    points = position
     if part.contact is not None:
         meant = np.einsum("nij,nj->ni", back, part.contact - part.object_position)
-        places = np.where(np.isnan(meant), position, meant)
+        points = np.where(np.isnan(meant), position, meant)
     inverse = part.object_orientation * np.array([1.0, -1.0, -1.0, -1.0])
-    return position, places, multiply_quaternions(inverse, part.orientation)
+    return position, points, multiply_quaternions(inverse, part.orientation)
 
 
 def _to_world(part: Recording, points: AnyArray) -> AnyArray:
@@ -337,7 +332,7 @@ def delete_stroke(score: Score, number: int) -> Score:
 
 
 def _remaining_events(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) -> list[Event]:
-    """Events that stay of an event of a stroke that is deleted."""
+    """Events that remain of an event of a deleted stroke."""
     if isinstance(event, Recording):
         return []
     if k == stroke.begin and stroke.emptied_redo:  # a stroke of nothing forgets as it did
@@ -349,7 +344,7 @@ def _remaining_events(k: int, event: Event, stroke: ScoreStroke, goes_on: bool) 
 def _history_command_without(
     k: int, event: Mapping[str, Any], stroke: ScoreStroke, steps: ScoreSteps
 ) -> list[Event]:
-    """An undo, redo or replay without a stroke."""
+    """An undo, redo or replay with a stroke removed."""
     if event["do"] == "replay_history":
         n_left = sum(one is not stroke for one in steps.strokes_after[k])
         return [{**event, "upto": n_left}] if not event.get("refused") else [event]
@@ -379,7 +374,7 @@ def move_stroke(
     turn_deg : float
         About the surface's normal, counter-clockwise for who looks at it.
     to : (3,) or (2, 3), optional
-        Where its middle comes to, in the object's frame, mm, or where a place comes to at which it
+        Where its middle comes to, in the object's frame, mm, or where a point comes to at which it
         is taken hold of; before `along`.
 
     Raises
@@ -387,7 +382,7 @@ def move_stroke(
     RecordingError
         If there is no such stroke, or it would come to lie beyond an edge of the object.
     InputError
-        If a length, the turn or a place is no such thing.
+        If a length, the turn or a point is no such thing.
     """
     return _move(score, [number], mesh, along, turn_deg, to)
 
@@ -400,7 +395,9 @@ def _move(
     turn_deg: float = 0.0,
     to: ArrayLike | None = None,
 ) -> Score:
-    return _put(score, numbers, mesh, lambda p, ground: _moving(p, ground, along, turn_deg, to))
+    return _carry_strokes(
+        score, numbers, mesh, lambda p, ground: _move_stencil(p, ground, along, turn_deg, to)
+    )
 
 
 def _scale(
@@ -419,10 +416,10 @@ def _scale(
         )
 
     def stencil(parts: Sequence[Recording], ground: ClosestPoints) -> _Stencil:
-        middle, _ = _middle_of(parts, ground)
+        middle, _ = _find_middle(parts, ground)
         return _Stencil(middle, middle, np.eye(3), factor)
 
-    score = _put(score, numbers, mesh, stencil)
+    score = _carry_strokes(score, numbers, mesh, stencil)
     for number, brush in zip(numbers, brushes, strict=True):
         score = change_brush(score, number, brush)
     return score
@@ -438,11 +435,11 @@ def _mirror(
         raise InputError("across is {across!r}; expected 'x' or 'y'", across=across)
 
     def stencil(parts: Sequence[Recording], ground: ClosestPoints) -> _Stencil:
-        middle, normal = _middle_of(parts, ground)
+        middle, normal = _find_middle(parts, ground)
         axis = tangents_at(normal)["xy".index(across)]
         return _Stencil(middle, middle, np.eye(3) - 2.0 * np.outer(axis, axis))
 
-    return _put(score, numbers, mesh, stencil)
+    return _carry_strokes(score, numbers, mesh, stencil)
 
 
 def change_ink(
@@ -469,8 +466,8 @@ def change_ink(
     RecordingError
         If there is no such stroke, or this is no ink.
     """
-    said = dict(ink) if isinstance(ink, Mapping) else ink
-    changed = _with_begin(score, number, {"ink": said})
+    words = dict(ink) if isinstance(ink, Mapping) else ink
+    changed = _with_begin(score, number, {"ink": words})
     if not pigments:
         return changed
     known = {**changed.header.get("pigments", {}), **pigments}
@@ -492,8 +489,8 @@ def change_brush(score: Score, number: int, brush: str | Mapping[str, Any]) -> S
     RecordingError
         If there is no such stroke, or this is no brush.
     """
-    said = dict(brush) if isinstance(brush, Mapping) else brush
-    return _with_begin(score, number, {"brush": said})
+    words = dict(brush) if isinstance(brush, Mapping) else brush
+    return _with_begin(score, number, {"brush": words})
 
 
 def _with_begin(score: Score, number: int, words: Mapping[str, Any]) -> Score:
@@ -517,7 +514,7 @@ def retime_stroke(
     seconds: float | None = None,
     shift_s: float = 0.0,
 ) -> Score:
-    """Give a stroke another time, or have it begin earlier or later.
+    """Stretch a stroke to another duration, or shift its beginning.
 
     Where ink runs meanwhile, its time in the stroke becomes longer or shorter with it, in time
     steps as they were; a shift takes from the pause on one side and gives to that on the other.
@@ -560,9 +557,22 @@ def retime_stroke(
             least=_SHORTEST,
             most=_LONGEST,
         )
-    shift = _shift_ns(number, shift_s, first, round((last - first) * factor))
+    length = round((last - first) * factor)
+    most = 1e-9 * _LATEST_NS
+    shift = round(1e9 * as_number(shift_s, f"shift of stroke {number} (s)", -most, most,
+                                  RecordingError))  # fmt: skip
+    ends = [first + shift, first + shift + length]
+    if max(map(abs, ends)) > _LATEST_NS:
+        raise RecordingError(
+            "stroke {number} would be at {first:.4g} to {second:.4g} s; expected it within "
+            "{most:.4g} s of 0",
+            number=number,
+            first=1e-9 * ends[0],
+            second=1e-9 * ends[1],
+            most=most,
+        )
     try:
-        own = _stretched(own, first, factor, shift)
+        own = _stretch_times(own, first, factor, shift)
     except RecordingError:
         raise RecordingError(
             "stroke {number} would have two samples at one time with a factor of {factor:.4g}",
@@ -573,36 +583,19 @@ def retime_stroke(
     if shift_s and isinstance(begin, Mapping) and "time_s" in begin:
         own[0] = {**begin, "time_s": max(0.0, begin["time_s"] + shift_s)}
     before, after = events[: stroke.begin], events[stroke.end :]
-    if shift_s and any(not isinstance(e, Recording) and _is_time(e) for e in events):
+    if shift_s and any(not isinstance(e, Recording) and _is_ink_time(e) for e in events):
         n_steps = round(shift_s / _TIME_STEP_S)
-        _give_time(before, n_steps, len(before), number)
-        _give_time(after, -n_steps, 0, number)
+        _adjust_pause(before, n_steps, len(before), number)
+        _adjust_pause(after, -n_steps, 0, number)
     return _with_events(score, [*before, *own, *after])
 
 
-def _shift_ns(number: int, shift_s: float, first: int, length: int) -> int:
-    """A shift in ns, if a stroke that begins at `first` and is so long can be said then."""
-    most = 1e-9 * _LATEST_NS
-    shift_s = as_number(shift_s, f"shift of stroke {number} (s)", -most, most, RecordingError)
-    ends = [first + round(1e9 * shift_s), first + round(1e9 * shift_s) + length]
-    if max(map(abs, ends)) > _LATEST_NS:
-        raise RecordingError(
-            "stroke {number} would be at {first:.4g} to {second:.4g} s; expected it within "
-            "{most:.4g} s of 0",
-            number=number,
-            first=1e-9 * ends[0],
-            second=1e-9 * ends[1],
-            most=most,
-        )
-    return ends[0] - first
-
-
-def _is_time(event: Event) -> bool:
+def _is_ink_time(event: Event) -> bool:
     return not isinstance(event, Recording) and event["do"] == "follow_time"
 
 
-def _stretched(own: Sequence[Event], first: int, factor: float, shift: int) -> list[Event]:
-    """The events of a stroke in another time: of samples, and of the ink between them."""
+def _stretch_times(own: Sequence[Event], first: int, factor: float, shift: int) -> list[Event]:
+    """Scale the times of a stroke's events: of samples, and of the ink between them."""
     stretched: list[Event] = []
     passed, given = 0, 0
     for event in own:
@@ -610,7 +603,7 @@ def _stretched(own: Sequence[Event], first: int, factor: float, shift: int) -> l
             since = event.time_ns - first
             times = first + shift + np.rint(since * factor).astype(np.int64)
             stretched.append(replace(event, time_ns=times))
-        elif _is_time(event):
+        elif _is_ink_time(event):
             passed += event.get("times", 1)
             n_steps = int(np.floor(passed * factor + 0.5)) - given
             given += n_steps
@@ -618,18 +611,18 @@ def _stretched(own: Sequence[Event], first: int, factor: float, shift: int) -> l
                 stretched.append({**event, "times": n_steps})
         else:
             stretched.append(event)
-    return joined_parts(stretched)
+    return join_adjacent(stretched)
 
 
-def _give_time(events: list[Event], n_steps: int, at: int, number: int) -> None:
-    """Add so many time steps beside a stroke (remove below 0), at one end of events."""
+def _adjust_pause(events: list[Event], n_steps: int, at: int, number: int) -> None:
+    """Add time steps (remove below 0) beside a stroke, at one end of events."""
     wanted, step = abs(n_steps) * _TIME_STEP_S, -1 if at else 1
     k = at + (step if at else 0)
     while n_steps < 0 and 0 <= k < len(events):
         event = events[k]
         if isinstance(event, Recording) or event["do"] in ("begin_stroke", "end_stroke"):
             break
-        if _is_time(event):
+        if _is_ink_time(event):
             taken = min(-n_steps, event.get("times", 1))
             events[k] = {**event, "times": event.get("times", 1) - taken}
             n_steps += taken
@@ -697,13 +690,13 @@ def apply_seal_edit(score: Score, number: int, edit: Mapping[str, Any]) -> Score
             known=", ".join(takes),
         )
     if do == "delete":
-        kept: list[Event] = []
+        remaining: list[Event] = []
         for k, event in enumerate(score.events):
             if k in steps.affected_steps and not isinstance(event, Recording):
-                kept += _history_command_without(k, event, seal, steps)
+                remaining += _history_command_without(k, event, seal, steps)
             elif k != seal.begin:
-                kept.append(event)
-        return _with_events(score, kept)
+                remaining.append(event)
+        return _with_events(score, remaining)
     events, pigments = list(score.events), words.pop("pigments", {})
     pressed = events[seal.begin]
     assert not isinstance(pressed, Recording), "a seal is a command"

@@ -1,4 +1,4 @@
-"""Fate of the strokes of a score: which are there at its end, and what undo takes back.
+"""State of the strokes of a score: those present at its end, and those that undo takes back.
 
 A step is what one undo takes back: a stroke, drying, a seal, a text that is laid or removed, a
 layer that comes, goes, moves or shows otherwise. Who takes a stroke out of the middle of a score
@@ -81,7 +81,7 @@ class ScoreSteps:
 
 
 class _Follower:
-    """A history without a painting."""
+    """Simulates the undo history of a score without painting it."""
 
     def __init__(self) -> None:
         self.strokes: list[ScoreStroke] = []
@@ -91,42 +91,36 @@ class _Follower:
         self.is_previewing = False
 
     def command(self, k: int, line: Mapping[str, Any]) -> list[ScoreStroke | None]:
-        """Do what a line says; the steps that it takes back or does again."""
+        """Execute a line; return the steps that it takes back or does again."""
         name, refused = line["do"], bool(line.get("refused"))
-        if name == "begin_stroke":
-            self._begin(k, refused)
+        if name == "begin_stroke" and self.current is None:
+            empties_redo = self.is_previewing or bool(self.undone)
+            self._end_preview()
+            if not refused:
+                self.current = ScoreStroke(0, k, emptied_redo=empties_redo)
+                self._add_step(self.current)
         elif name in ("end_stroke", "cancel_stroke"):
-            self._end(k + 1, cancelled=name == "cancel_stroke")
+            self._end_stroke(k + 1, cancelled=name == "cancel_stroke")
         elif name in _UNDOABLE_COMMANDS and self.current is None:
             self._end_preview()
             if not refused:
                 is_seal = name == "press_seal"
-                self._step(ScoreStroke(0, k, k + 1, is_seal=True) if is_seal else None)
+                self._add_step(ScoreStroke(0, k, k + 1, is_seal=True) if is_seal else None)
         elif name in _LAYER_COMMANDS and self.current is None and not self.is_previewing:
-            self._step(None)
+            self._add_step(None)
         elif name in _HISTORY_COMMANDS:
-            self._end(k)
+            self._end_stroke(k)
             self.is_previewing = name == "replay_history" and bool(line.get("passing"))
             if name == "replay_history":
                 return self._go_to(line["upto"]) if not refused else []
             return self._undo() if name == "undo" else self._redo()
         return []
 
-    def _begin(self, k: int, refused: bool) -> None:
-        if self.current is not None:
-            return
-        empties_redo = self.is_previewing or bool(self.undone)
-        self._end_preview()
-        if refused:
-            return
-        self.current = ScoreStroke(0, k, emptied_redo=empties_redo)
-        self._step(self.current)
-
-    def _step(self, step: ScoreStroke | None) -> None:
+    def _add_step(self, step: ScoreStroke | None) -> None:
         self.undone.clear()
         self.done.append(step)
 
-    def _end(self, k: int, cancelled: bool = False) -> None:
+    def _end_stroke(self, k: int, cancelled: bool = False) -> None:
         stroke, self.current = self.current, None
         if stroke is None:
             return
@@ -171,8 +165,8 @@ def _is_stroke(step: ScoreStroke | None) -> bool:
 
 
 def follow_steps(score: Score) -> ScoreSteps:
-    """Follow what a score does and takes back, without painting it."""
-    follower, found = _Follower(), ScoreSteps()
+    """Follow the steps of a score and their undoing, without painting it."""
+    follower, steps = _Follower(), ScoreSteps()
     for k, event in enumerate(score.events):
         if isinstance(event, Recording):
             if follower.current is not None:
@@ -180,20 +174,20 @@ def follow_steps(score: Score) -> ScoreSteps:
             continue
         affected = follower.command(k, event)
         if event["do"] in _HISTORY_COMMANDS:
-            found.affected_steps[k], found.strokes_after[k] = affected, follower.strokes_done()
-    follower._end(len(score.events))
-    found.strokes, found.done = follower.strokes, follower.strokes_done()
-    found.undone = [s for s in reversed(follower.undone) if s is not None and not s.is_seal]
-    found.seals = [step for step in follower.done if step is not None and step.is_seal]
-    for number, seal in enumerate(found.seals, 1):
+            steps.affected_steps[k], steps.strokes_after[k] = affected, follower.strokes_done()
+    follower._end_stroke(len(score.events))
+    steps.strokes, steps.done = follower.strokes, follower.strokes_done()
+    steps.undone = [s for s in reversed(follower.undone) if s is not None and not s.is_seal]
+    steps.seals = [step for step in follower.done if step is not None and step.is_seal]
+    for number, seal in enumerate(steps.seals, 1):
         seal.number = number
-    for stroke in found.strokes:
-        stroke.is_there = any(stroke is other for other in found.done)
-    return found
+    for stroke in steps.strokes:
+        stroke.is_there = any(stroke is other for other in steps.done)
+    return steps
 
 
 def stroke_of(score: Score, number: int) -> tuple[ScoreStroke, ScoreSteps]:
-    """A stroke by its number, and all others.
+    """A stroke by its number, and the steps of the whole score.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Units that a recording's header says."""
+"""Units in a recording's header."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ TO_NS = {"ns": 1.0, "us": 1e3, "ms": 1e6, "s": 1e9}
 
 
 def units_of(header: Mapping[str, Any], times: tuple[str, ...] = ("ns",)) -> dict[str, Any]:
-    """The units that a header says, checked; `length` is `position`.
+    """The units in a header, checked; `length` is `position`.
 
     Parameters
     ----------

@@ -25,10 +25,10 @@ _IN_TEXT = b"data:;base64,"
 
 def check_mesh(suffix: str, content: bytes) -> None:
     """Read a mesh as the child process does; what comes out must be a mesh."""
-    from paint3d.files.reading import Wanted, read_surface
+    from paint3d.files.reading import ReadOptions, read_surface
     from paint3d.files.references import refers_to
 
-    wanted = Wanted(from_points=False, texture=True)
+    wanted = ReadOptions(from_points=False, texture=True)
     path = file_of(suffix, content)
     (path.parent / "none.txt").touch()
     refers_to(path, path.parent / "none.txt")  # whatever it is, this is no error

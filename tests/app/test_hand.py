@@ -16,7 +16,12 @@ from paint3d.app.model.input.event_clock import EventClock
 from paint3d.app.model.input.fingers import Fingers
 from paint3d.app.model.input.hand import Hand, HandSettings, PointerInput
 from paint3d.app.model.input.pressure_curve import PressureCurve
-from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry, transformed
+from paint3d.app.model.input.symmetry import (
+    MirrorPlane,
+    RadialSymmetry,
+    Symmetry,
+    transform_samples,
+)
 from paint3d.brush.presets import brush_names, load_brush
 from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
 from paint3d.core.quaternion import matrices_from_quaternions, rotate
@@ -468,12 +473,12 @@ def test_images_of_planes_and_turns():
     assert len(Symmetry((x, y)).images()) == 3
     assert len(Symmetry((x,), RadialSymmetry(6)).images()) == 11
     assert len(Symmetry((x, x)).images()) == 1  # twice the same
-    (moved,) = transformed([sample(1, 3, 4)], Symmetry((x,)).images()[0])
+    (moved,) = transform_samples([sample(1, 3, 4)], Symmetry((x,)).images()[0])
     np.testing.assert_allclose(moved.position, [-3, 4, 35])
     np.testing.assert_allclose(rotate(moved.orientation, np.eye(3)[0]), [-1, 0, 0], atol=1e-12)
     assert moved.contact is None
     meant = replace(sample(1, 3, 4), contact=np.array([3.0, 4.0, 0.0]))
-    (moved,) = transformed([meant], Symmetry((x,)).images()[0])
+    (moved,) = transform_samples([meant], Symmetry((x,)).images()[0])
     np.testing.assert_allclose(moved.contact, [-3, 4, 0])
     for bad in (
         lambda: Symmetry((MirrorPlane((0, 0, 0), (0, 0, 0)),)),

@@ -12,7 +12,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest, QtWidgets
 
 from paint3d.app.model.document import Document
-from paint3d.app.model.laid_text import LaidText, packed_texts, unpacked_texts
+from paint3d.app.model.laid_text import LaidText, pack_texts, unpack_texts
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.app.model.score.playing import painted
@@ -315,7 +315,7 @@ def test_a_seal_has_the_name_and_the_size_of_the_signature(window) -> None:
     window.copying.choose(1)
     window.copying.change({"grid": "frame"})
     wait_for(lambda: window.document.texts[1].grid == "frame")
-    assert unpacked_texts(packed_texts(window.document.texts))[1].is_signature
+    assert unpack_texts(pack_texts(window.document.texts))[1].is_signature
     assert window.copying.signature()[:2] == ("李明", pytest.approx(0.85 * em))
 
 
@@ -565,14 +565,14 @@ def test_what_is_no_text_is_refused_and_changes_nothing(words) -> None:
     assert not document.texts
     assert not document.steps.done
     with pytest.raises(InputError):
-        unpacked_texts("[3]")
+        unpack_texts("[3]")
 
 
 def test_words_of_a_text_say_it_again() -> None:
     text = LaidText(
         "永和", 33.0, "Kai", "row", (1.0, 2.0, 3.0), -20.0, 0.3, 0.1, "jiu", (2, 3), True
     )
-    assert unpacked_texts(packed_texts([text, LaidText("二")])) == (text, LaidText("二"))
+    assert unpack_texts(pack_texts([text, LaidText("二")])) == (text, LaidText("二"))
     document = Document.new("plane", 4.0, "xuan")
     document.lay_text(text.words())
     assert document.score.events[-1]["text"] == text.words()

@@ -20,7 +20,7 @@ from paint3d.app.model.copybook import Copybook
 from paint3d.app.window.copybook import copybook_guide
 from paint3d.app.window.copybook.strokes_dialog import CorrectionSteps, LabelGrid, StrokesDialog
 from paint3d.app.window.questions import Answer
-from paint3d.calligraphy.page.opening import opened_page
+from paint3d.calligraphy.page.opening import open_page
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.photo import copying
 from paint3d.errors import InputError
@@ -457,7 +457,7 @@ def test_a_corner_goes_by_one_pixel_or_ten_and_not_off_the_picture(window, sheet
 
 def test_ink_far_from_its_box_is_seen(window, drawing, tmp_path: Path) -> None:
     file = tmp_path / "off.strokes.json"
-    page = opened_page(str(drawing))
+    page = open_page(str(drawing))
     save_strokes(page, file)
     told = json.loads(file.read_text(encoding="utf-8"))
     for piece in told["pieces"]:

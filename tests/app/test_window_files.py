@@ -353,7 +353,7 @@ def test_the_screen_whose_colours_a_file_has_is_chosen_and_what_does_not_fit_is_
     told: list[str] = []
     monkeypatch.setattr(window.workspace, "tell", lambda text, **how: told.append(text))
     assert window.exporting.export_to(tmp_path / "plain.ply")
-    monkeypatch.setattr(painting, "tell_clipped", lambda surface, viewing: 1234)
+    monkeypatch.setattr(painting, "warn_of_clipping", lambda surface, viewing: 1234)
     assert window.exporting.export_to(tmp_path / "clipped.ply")
     assert "1,234" not in told[-2]
     assert told[-1].endswith("1,234 colours do not fit in and are the nearest that do.")

@@ -15,7 +15,7 @@ from paint3d.calligraphy.composition import (
     seal_below,
     sign_beside,
 )
-from paint3d.calligraphy.layout import Layout, layout_text, places_for
+from paint3d.calligraphy.layout import Layout, frames_for, layout_text
 from paint3d.cli.info import info_lines
 from paint3d.errors import InputError, MeshError
 from paint3d.files.load import load_mesh
@@ -244,16 +244,16 @@ def test_a_point_of_a_sheet_is_the_place_of_its_fractions(name: str) -> None:
     surface = ClosestPoints(make_sheet(sheet))
     point = surface.find(np.array([[-70.0, 30.0, 0.0]])).points[0]
     at = place_on(sheet, point)
-    (frame,) = places_for(surface, at, None)
+    (frame,) = frames_for(surface, at, None)
     np.testing.assert_allclose(frame.origin[:2], point[:2], atol=0.01)
 
 
 def test_a_place_between_panels_is_on_the_nearest_and_a_sheet_has_no_back() -> None:
     surface = ClosestPoints(make_sheet(parse_sheet("couplet")))
-    (frame,) = places_for(surface, (0.55, 0.5), None)
+    (frame,) = frames_for(surface, (0.55, 0.5), None)
     assert frame.origin[0] == pytest.approx(60.0, abs=0.01)  # the right one's rim
     with pytest.raises(MeshError, match="seen from the back the surface faces away"):
-        list(places_for(surface, (0.2, 0.5), "back"))
+        list(frames_for(surface, (0.2, 0.5), "back"))
 
 
 @pytest.mark.parametrize("name", ["scroll", "scroll:mounted", "couplet", "couplet:mounted", "fan"])
@@ -268,7 +268,7 @@ def test_info_tells_fractions_as_text_is_placed_by_them(name: str) -> None:
         ).groups(),
     )
     for u, v in ((0.2, 0.6), (0.8, 0.7)):
-        (frame,) = places_for(surface, (u, v), None)
+        (frame,) = frames_for(surface, (u, v), None)
         there = left + u * (right - left), front + v * (back - front)
         np.testing.assert_allclose(frame.origin[:2], there, atol=0.1)
     (tenths,) = [line for line in lines if "0.1 of U is" in line]
@@ -283,7 +283,7 @@ def test_info_tells_how_far_a_tenth_of_u_goes_round_a_body_and_which_way() -> No
     assert len(rows) >= 3
     for v, girth, tenth in (map(float, row) for row in rows[1:-1]):
         turns = np.linspace(0.45, 0.55, 9)
-        ring = [next(iter(places_for(surface, (u, v), "outside"))).origin for u in turns]
+        ring = [next(iter(frames_for(surface, (u, v), "outside"))).origin for u in turns]
         way = np.linalg.norm(np.diff(ring, axis=0), axis=1).sum()
         assert tenth == pytest.approx(way, rel=0.02)
         assert girth == pytest.approx(10.0 * tenth, abs=1.0)

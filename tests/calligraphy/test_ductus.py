@@ -23,7 +23,7 @@ from paint3d.calligraphy.shapes.ductus import (
     known_strokes,
 )
 from paint3d.calligraphy.shapes.regions import InkStroke
-from paint3d.calligraphy.shapes.transfer import KnownStrokes, in_known_order, register, tangents_of
+from paint3d.calligraphy.shapes.transfer import KnownStrokes, order_as_known, register, tangents_of
 from paint3d.core.polyline import resample
 from tests.support.cases import long_but
 from tests.support.examples import examples
@@ -200,9 +200,9 @@ def test_a_doubtful_stroke_begins_where_the_pen_is(line, told, begins):
         20.0,
     )
     pieces = [(InkStroke(first, Polygon()), 0), (InkStroke(line, Polygon()), 1)]
-    assert in_known_order(pieces, known)[1].line[0].tolist() == line[begins].tolist()
+    assert order_as_known(pieces, known)[1].line[0].tolist() == line[begins].tolist()
     if told > 0.3:  # of letters that are joined along a line the way is known
-        along_it = in_known_order(pieces, known, by_start=True)
+        along_it = order_as_known(pieces, known, by_start=True)
         assert along_it[1].line[0].tolist() == line[0].tolist()
 
 
@@ -281,7 +281,7 @@ def test_strokes_along_one_way_follow_each_other_by_their_starts():
     )  # fmt: skip
     pairs = [(short, None), (long, None)]
     for by_start, wanted in ((True, [1000.0, 800.0]), (False, [800.0, 1000.0])):
-        ordered = in_known_order(pairs, known, by_start=by_start)
+        ordered = order_as_known(pairs, known, by_start=by_start)
         assert [float(piece.line[0, 0]) for piece in ordered] == wanted
 
 

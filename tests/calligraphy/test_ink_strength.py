@@ -10,7 +10,7 @@ import pytest
 from shapely import LineString
 
 from paint3d.brush.presets import load_brush
-from paint3d.calligraphy.flying_white import BLACKEST, DENSITY, diluted, with_strengths
+from paint3d.calligraphy.flying_white import BLACKEST, DENSITY, dilution_for, with_strengths
 from paint3d.calligraphy.glyphs import Glyph, GlyphStroke
 from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.page import Page, Piece
@@ -18,7 +18,7 @@ from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.photo.copying import Asked, copy_sheet
 from paint3d.calligraphy.photo.flat_page import FlatPage
 from paint3d.calligraphy.photo.likeness import painted_sheet, strength_of_both
-from paint3d.calligraphy.photo.rehearsal import rehearsed
+from paint3d.calligraphy.photo.rehearsal import rehearse
 from paint3d.calligraphy.writing import WritingSettings, Written, write_page
 from paint3d.colour.materials import load_material
 from paint3d.errors import InputError, RecordingError
@@ -116,7 +116,7 @@ def test_a_tip_of_another_ink_stays_one() -> None:
 
 
 def test_the_stronger_the_less_water() -> None:
-    share = diluted(np.linspace(0.05, 1.0, 20))
+    share = dilution_for(np.linspace(0.05, 1.0, 20))
     assert share[-1] == 1.0
     assert (np.diff(share) > 0.0).all()
     assert share[0] == pytest.approx(-np.log10(1.0 - 0.05 * BLACKEST) / DENSITY)
@@ -133,7 +133,9 @@ def test_black_strokes_alone_tell_nothing() -> None:
 def test_the_header_tells_each_stroke_once_and_is_read_again(tmp_path) -> None:
     recording = with_strengths(written().recording, written().strength)
     told = recording.header["strengths"]
-    assert [share for _, share in told] == pytest.approx(diluted(np.array(STRENGTHS)), abs=1e-4)
+    assert [share for _, share in told] == pytest.approx(
+        dilution_for(np.array(STRENGTHS)), abs=1e-4
+    )
     save_recording(recording, tmp_path / "a.jsonl")
     assert load_recording(tmp_path / "a.jsonl").header["strengths"] == told
     for share in (0.0, 2.0, float("nan")):
@@ -148,7 +150,7 @@ def test_a_strength_that_changes_at_once_is_told_at_once() -> None:
     strength[10:20], strength[20:30], strength[40:50] = 1.0, 0.5, 0.5
     told = with_strengths(recording, strength).header["strengths"]
     assert [when for when, _ in told] == recording.time_ns[[10, 20, 40]].tolist()
-    assert told[1][1] == told[2][1] == pytest.approx(diluted(0.5), abs=1e-4)
+    assert told[1][1] == told[2][1] == pytest.approx(dilution_for(0.5), abs=1e-4)
 
 
 def test_files_keep_the_strength_and_so_do_corrections(tmp_path) -> None:
@@ -202,7 +204,7 @@ def test_of_a_stroke_that_left_no_ink_a_trial_tells_nothing() -> None:
     plan = write_page(load_mesh("plane"), sheet.page, WritingSettings(load_brush("xiaokai"), EM_MM))
     bare = PaintedSurface(load_mesh("plane"), 2.0, "xuan")
     bare.refresh()
-    after = rehearsed(plan, lambda _: bare, load_material("xuan"), 1, sheet)
+    after = rehearse(plan, lambda _: bare, load_material("xuan"), 1, sheet)
     np.testing.assert_allclose(after.strength, plan.strength)
 
 
@@ -229,13 +231,13 @@ def test_a_page_that_was_never_photographed_is_corrected_too(material) -> None:
 
     sheet = FlatPage.of(page_of())
     for trials in (0, 1):
-        plan = rehearsed(written(), paint, made_of, trials)
+        plan = rehearse(written(), paint, made_of, trials)
         placed = list(zip(plan.page.pieces, plan.placed, strict=True))
         asked, got = strength_of_both(sheet, painted_sheet(sheet, placed, paint(plan)))
         off.append(float(np.abs(asked - got).max()))
     assert off[0] > 0.04
     assert off[1] < 0.015
-    assert rehearsed(plan, paint, made_of, 0) is plan
+    assert rehearse(plan, paint, made_of, 0) is plan
 
 
 def test_strokes_beside_their_box_are_corrected_alike() -> None:
@@ -255,7 +257,7 @@ def test_strokes_beside_their_box_are_corrected_alike() -> None:
         for one in (page, beside)
     ]
     least = [
-        np.nanmin(rehearsed(plan, paint, load_material("porcelain"), 1).strength) for plan in plans
+        np.nanmin(rehearse(plan, paint, load_material("porcelain"), 1).strength) for plan in plans
     ]
     assert least[0] < 0.42  # it came out too dark
     assert least[1] == pytest.approx(least[0], abs=0.01)
@@ -269,7 +271,7 @@ def test_strokes_that_ask_for_nothing_are_not_painted_on_trial() -> None:
     def never(_: Written) -> PaintedSurface:
         raise AssertionError("it was painted")
 
-    assert rehearsed(plan, never, load_material("xuan"), 2) is plan
+    assert rehearse(plan, never, load_material("xuan"), 2) is plan
 
 
 def test_a_dry_page_on_smooth_ground_is_not_painted_on_trial() -> None:
@@ -286,9 +288,9 @@ def test_a_dry_page_on_smooth_ground_is_not_painted_on_trial() -> None:
         bare.refresh()
         return bare
 
-    assert rehearsed(plan, paint, load_material("porcelain"), 2) is plan
+    assert rehearse(plan, paint, load_material("porcelain"), 2) is plan
     assert not seen
-    drier = rehearsed(plan, paint, load_material("xuan"), 1)
+    drier = rehearse(plan, paint, load_material("xuan"), 1)
     assert seen == [1]
     known = np.isfinite(plan.dryness)
     assert (drier.dryness[known] < plan.dryness[known]).mean() > 0.8  # all of it was bare

@@ -22,9 +22,9 @@ from paint3d.calligraphy.photo.likeness import likeness_of
 from paint3d.calligraphy.photo.sheet import (
     blur_matrix,
     find_sheets,
-    flattened,
     homography,
     map_points,
+    remove_light,
     sheet_size,
 )
 from paint3d.errors import InputError
@@ -233,7 +233,7 @@ def test_a_shadow_is_no_ink() -> None:
     sheet = np.full((300, 240, 3), 0.8, np.float32)
     sheet[:, 150:] *= 0.45  # a hand's
     sheet[100:110, 40:200] *= 0.05
-    reflected, _ = flattened(sheet)
+    reflected, _ = remove_light(sheet)
     assert reflected[200:, :145].min() > 0.9
     assert reflected[200:, 156:].min() > 0.9
     assert reflected[104:106, 60:180].max() < 0.15

@@ -95,7 +95,7 @@ def test_a_visit_goes_to_the_tip_of_a_corner_not_along_its_rim():
     down = np.array([[3.9, 0.1 * i] for i in range(60, 120)])
     points = np.concatenate([tip, rim, down])
     corner = Corner(np.array([0.4, 11.5]), points, (np.zeros(0, int), np.zeros(0, int)))
-    along, straight, *_ = (way.points for way in detours_to(corner, line, field, held=False))
+    along, straight, *_ = (way.points for way in detours_to(corner, line, field, is_held=False))
     assert np.linalg.norm(along - [0.1, 11.9], axis=1).min() > 0.5
     assert np.linalg.norm(straight - [0.1, 11.9], axis=1).min() < 0.15
     assert len(straight) > len(line.points)

@@ -77,7 +77,7 @@ def test_a_new_stone_prints_what_is_cut_into_it() -> None:
     surface = PaintedSurface(small_plane().surface.source, 0.1, "xuan")
     seal, shape = cross(), inked(cross())
     left = pressed(surface, seal)
-    covered = surface.vertex_areas[left.vertex_ids] @ left.share
+    covered = surface.vertex_areas[left.vertex_ids] @ left.coverage
     # a twentieth is bare or at an edge
     assert covered == pytest.approx(shape.area, rel=0.05)
     places = surface.paint_mesh.vertices[left.vertex_ids, :2]
@@ -103,7 +103,7 @@ def test_a_worn_stone_prints_less() -> None:
     for wear in (0.0, 1.0, 2.0):
         surface = PaintedSurface(small_plane().surface.source, 0.2, "xuan")
         left = pressed(surface, cross(), Pressing(wear=wear))
-        areas.append(surface.vertex_areas[left.vertex_ids] @ left.share)
+        areas.append(surface.vertex_areas[left.vertex_ids] @ left.coverage)
     assert areas[0] > areas[1] > areas[2] > 0.3 * areas[0]
 
 

@@ -18,7 +18,7 @@ from paint3d.calligraphy.page.correcting import CorrectedPage
 from paint3d.calligraphy.page.page import Page, Photograph, fill_rings
 from paint3d.calligraphy.page.strokes_file import load_strokes, save_strokes
 from paint3d.calligraphy.page.svg_drawing import load_svg
-from paint3d.calligraphy.photo.copying import CopiedSheet, seen_again
+from paint3d.calligraphy.photo.copying import CopiedSheet, find_photographed_sheet
 from paint3d.calligraphy.photo.ink_mask import InkMask
 from paint3d.errors import InputError
 from tests.support.examples import examples
@@ -267,10 +267,10 @@ def test_strokes_beside_the_sheet_are_not_laid_over_it(tmp_path) -> None:
         photo = Photograph(tmp_path / "x.jpg", corners, (200, 200), scale, there + off)
         photographed = replace(page, photograph=photo)
         if fits:
-            assert seen_again(photographed, pixels, 1.0).picture.shape == (200, 200, 3)
+            assert find_photographed_sheet(photographed, pixels, 1.0).picture.shape == (200, 200, 3)
             continue
         with pytest.raises(InputError, match="the strokes lie beside the sheet"):
-            seen_again(photographed, pixels, 1.0)
+            find_photographed_sheet(photographed, pixels, 1.0)
 
 
 def test_a_large_photograph_is_kept_by_its_own_pixels(tmp_path) -> None:
@@ -280,7 +280,7 @@ def test_a_large_photograph_is_kept_by_its_own_pixels(tmp_path) -> None:
     small = np.stack([2 * across, 2 * down, across + down], axis=-1).astype(np.uint8)
     corners = np.array([[10.0, 10.0], [110.0, 12.0], [108.0, 90.0], [9.0, 88.0]])
     size, unit, origin = (80, 100), 0.02, np.array([9.0, 60.0])
-    looked = seen_again(
+    looked = find_photographed_sheet(
         replace(page, photograph=Photograph(tmp_path, corners, size, unit, origin)), small, 1.0
     )
     none = np.zeros(size, np.float32)
@@ -290,8 +290,8 @@ def test_a_large_photograph_is_kept_by_its_own_pixels(tmp_path) -> None:
     )  # fmt: skip
     kept = found.taken_from(tmp_path / "x.jpg", 2.0).page
     np.testing.assert_allclose(kept.photograph.corners, 2.0 * corners)
-    np.testing.assert_array_equal(seen_again(kept, small, 2.0).picture, looked.picture)
-    whole = seen_again(kept, small.repeat(2, axis=0).repeat(2, axis=1), 1.0).picture
+    np.testing.assert_array_equal(find_photographed_sheet(kept, small, 2.0).picture, looked.picture)
+    whole = find_photographed_sheet(kept, small.repeat(2, axis=0).repeat(2, axis=1), 1.0).picture
     assert np.abs(whole.astype(float) - looked.picture).max() < 4.0
 
 

@@ -18,7 +18,7 @@ from paint3d.files.export import FORMATS, prepare_export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.project.session import load_session
-from paint3d.files.reading import Wanted, read_surface_apart
+from paint3d.files.reading import ReadOptions, read_surface_apart
 from paint3d.mesh.refined_mesh import PaintMesh
 from tests.support.app.hands import paint, small_plane
 
@@ -139,7 +139,7 @@ def test_a_childs_reading_is_ended_at_once(tmp_path: Path) -> None:
     big.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * 2_000_000)
     began = time.process_time()
     with pytest.raises(CancelledError):
-        read_surface_apart(big, Wanted(), progress=told)
+        read_surface_apart(big, ReadOptions(), progress=told)
     assert len(shares) == 1
     assert 0.0 < shares[0] < 1.0
     assert time.process_time() - began < 1.0
@@ -148,4 +148,4 @@ def test_a_childs_reading_is_ended_at_once(tmp_path: Path) -> None:
         told = [Path(f"/proc/{number}/cmdline").read_bytes() for number in kin.split()]
         assert not any(b"paint3d.files.sandbox" in line for line in told)
     with pytest.raises(MeshError, match=r"took longer than 0\.1 s"):
-        read_surface_apart(big, Wanted(), 0.1, lambda share: None)
+        read_surface_apart(big, ReadOptions(), 0.1, lambda share: None)

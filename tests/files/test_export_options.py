@@ -211,7 +211,7 @@ def test_metres_give_back_the_millimetres_to_the_last_bit(tmp_path_factory, vert
     faces = np.arange(12, dtype=np.int32).reshape(-1, 3)
     up = np.tile(np.float32([0.0, 0.0, 1.0]), (12, 1))
     painting = Painting(vertices, faces, up, np.zeros((12, 3), np.uint8), "ink")
-    placed = painting.placed("m", up_axis)
+    placed = painting.converted("m", up_axis)
     write_glb(path, *placed[:4], steps=placed.steps)
     raw = read_gltf(path.read_bytes(), path.parent)
     back = (raw.vertices * raw.unit_mm).astype(np.float32)

@@ -14,7 +14,7 @@ from PIL import Image
 
 from paint3d.errors import MeshError
 from paint3d.files.formats.threemf import read_3mf
-from paint3d.files.reading import Wanted, read_surface
+from paint3d.files.reading import ReadOptions, read_surface
 from paint3d.files.references import refers_to
 from tests.support.examples import examples
 
@@ -27,7 +27,7 @@ FACES = "left out: colours of faces"
 def read(tmp_path, name, content, texture=True):
     path = tmp_path / name
     path.write_bytes(content if isinstance(content, bytes) else content.encode())
-    return read_surface(path, Wanted(texture=texture))
+    return read_surface(path, ReadOptions(texture=texture))
 
 
 def codes(reading):
@@ -638,7 +638,7 @@ def test_vertex_colours_come_as_their_writers_mean_them(tmp_path, writer):
         mesh = geometry.geometry.TriangleMesh(vector(SQUARE), index(HALVES))
         mesh.vertex_colors = vector([np.array(RED) / 255] * 4)
         geometry.io.write_triangle_mesh(str(tmp_path / "a.glb"), mesh)
-    reading = read_surface(tmp_path / "a.glb", Wanted())
+    reading = read_surface(tmp_path / "a.glb", ReadOptions())
     assert codes(reading) == {RED}
     assert reading.notes == (f"its vertex colours are taken as sRGB, as {writer} writes them",)
 

@@ -18,7 +18,7 @@ from paint3d.files.export import export
 from paint3d.files.export_options import ExportOptions
 from paint3d.files.load import load_mesh
 from paint3d.files.pictures import Turning, write_picture
-from paint3d.files.project.painting import tell_clipped
+from paint3d.files.project.painting import warn_of_clipping
 from paint3d.files.project.session import Session, save_session
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.shot import Shot
@@ -211,5 +211,5 @@ def test_few_clipped_colours_are_not_told_and_a_tenth_of_the_paint_is(caplog):
         lay(surface, "pine soot", 0.5, slice(clipped, n))
         caplog.clear()
         with caplog.at_level(logging.WARNING, "paint3d"):
-            assert tell_clipped(surface, None) == clipped
+            assert warn_of_clipping(surface, None) == clipped
         assert bool(caplog.records) == told

@@ -26,7 +26,7 @@ from paint3d.files.export import export
 from paint3d.files.formats.gltf import write_glb
 from paint3d.files.formats.ply import write_ply
 from paint3d.files.load import load_mesh
-from paint3d.files.reading import Wanted, read_surface, read_surface_apart
+from paint3d.files.reading import ReadOptions, read_surface, read_surface_apart
 from paint3d.files.sandbox import receive, send
 from scripts.solids import make_plane
 
@@ -462,7 +462,7 @@ def test_a_reader_that_fails_takes_nothing_with_it(tmp_path, monkeypatch, code, 
     path = written(tmp_path, "a.obj", TRIANGLE + "f 1 2 3\n")
     in_child(monkeypatch, code)
     with pytest.raises(MeshError, match=message) as caught:
-        read_surface_apart(path, Wanted())
+        read_surface_apart(path, ReadOptions())
     assert str(caught.value).startswith(f"{path}: ")
 
 
@@ -476,7 +476,7 @@ def test_a_reader_that_never_ends_is_ended(tmp_path, monkeypatch, code):
     limits = {"seconds": 0.4, "idle_seconds": 600} if "pass" in code else {"idle_seconds": 0.4}
     words = "longer than 0.4 s of computing" if "pass" in code else "stood still for 0.4 s"
     with pytest.raises(MeshError, match=words):
-        read_surface_apart(path, Wanted(), **limits)
+        read_surface_apart(path, ReadOptions(), **limits)
 
 
 def test_a_child_without_a_parent_that_looks_ends_by_itself(tmp_path, monkeypatch):
@@ -486,7 +486,7 @@ def test_a_child_without_a_parent_that_looks_ends_by_itself(tmp_path, monkeypatc
     )
     monkeypatch.setattr(sandbox.Watch, "look", lambda self: None)
     with pytest.raises(MeshError, match=r"longer than 0\.1 s of computing"):
-        read_surface_apart(path, Wanted(), 0.1)
+        read_surface_apart(path, ReadOptions(), 0.1)
 
 
 def test_what_a_file_costs_is_not_what_the_clock_says(tmp_path, monkeypatch):
@@ -495,7 +495,7 @@ def test_what_a_file_costs_is_not_what_the_clock_says(tmp_path, monkeypatch):
         monkeypatch,
         "import time; time.sleep(1.5)\nfrom paint3d.files.sandbox import main; main()",
     )
-    assert read_surface_apart(path, Wanted(), seconds=1).mesh.n_faces == 1
+    assert read_surface_apart(path, ReadOptions(), seconds=1).mesh.n_faces == 1
 
 
 def test_whoever_was_stopped_himself_refuses_no_good_file(tmp_path, monkeypatch):
@@ -513,7 +513,7 @@ def test_whoever_was_stopped_himself_refuses_no_good_file(tmp_path, monkeypatch)
         return now() + stopped[0]
 
     monkeypatch.setattr(sandbox, "time", SimpleNamespace(monotonic=clock))
-    assert read_surface_apart(path, Wanted(), idle_seconds=60).mesh.n_faces == 1
+    assert read_surface_apart(path, ReadOptions(), idle_seconds=60).mesh.n_faces == 1
     assert stopped == [3600.0]
 
 
@@ -528,7 +528,7 @@ def test_a_busy_machine_refuses_no_good_file(tmp_path, monkeypatch):
     in_child(monkeypatch, here + work)
     others = [subprocess.Popen([sys.executable, "-c", here + "while True: pass"]) for _ in range(3)]
     try:
-        reading = read_surface_apart(path, Wanted(), seconds=2.0, idle_seconds=2.0)
+        reading = read_surface_apart(path, ReadOptions(), seconds=2.0, idle_seconds=2.0)
     finally:
         for other in others:
             other.kill()

@@ -11,7 +11,7 @@ import trimesh
 
 from paint3d.errors import MeshError
 from paint3d.files.load import load_mesh, read_mesh
-from paint3d.files.reading import Wanted, read_surface
+from paint3d.files.reading import ReadOptions, read_surface
 
 POINTS = "property float x\nproperty float y\nproperty float z\n"
 QUAD = "v 0 0 0 {}\nv 1 0 0 {}\nv 1 1 0 {}\nv 0 1 0 {}\nf 1 2 3 4\n"
@@ -150,7 +150,7 @@ def test_codes_of_faces_of_a_ply(tmp_path):
     head += "property list uchar int vertex_indices\nproperty uint red\nproperty uint green\n"
     text = head + "property uint blue\nend_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
     text += "3 0 1 2 200 30 30\n3 0 2 3 3 2 1\n"
-    reading = read_surface(written(tmp_path, "a.ply", text), Wanted(texture=True))
+    reading = read_surface(written(tmp_path, "a.ply", text), ReadOptions(texture=True))
     assert {tuple(code) for code in reading.mesh.colours.tolist()} == {(200, 30, 30), (3, 2, 1)}
     assert reading.notes == ("its colours of faces are taken as 0 to 255",)
 
@@ -211,7 +211,7 @@ def test_colours_of_a_coff(tmp_path, rows, codes, notes):
 def test_colours_of_a_list_of_points(tmp_path, row):
     places = [(x, y, 0.0) for x in range(8) for y in range(8)]
     text = "".join(" ".join(map(str, (*place, *row))) + "\n" for place in places)
-    reading = read_surface(written(tmp_path, "a.xyz", text), Wanted(from_points=True))
+    reading = read_surface(written(tmp_path, "a.xyz", text), ReadOptions(from_points=True))
     assert (reading.mesh.colours == [128, 64, 255]).all()
 
 
@@ -363,7 +363,7 @@ def test_a_3mf_without_triangles_is_no_point_cloud(tmp_path):
 def test_beams_beside_triangles_are_said_to_be_left_out(tmp_path):
     triangle = '<triangles><triangle v1="0" v2="1" v3="2"/></triangles>'
     path = package(tmp_path / "a.3mf", nodes(ball_rows()) + triangle + BEAMS)
-    assert read_surface(path, Wanted()).notes == ("left out: beam lattices",)
+    assert read_surface(path, ReadOptions()).notes == ("left out: beam lattices",)
 
 
 # -- glTF -------------------------------------------------------------------------------------

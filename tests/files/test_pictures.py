@@ -19,7 +19,7 @@ from paint3d.files.colours import Look, linear_from_srgb, sample_picture
 from paint3d.files.detail import MOST_VERTICES, Draped, show_pictures
 from paint3d.files.export import export
 from paint3d.files.load import load_mesh
-from paint3d.files.reading import Wanted, read_surface
+from paint3d.files.reading import ReadOptions, read_surface
 from paint3d.surface.painted_surface import PaintedSurface
 
 CORPUS = Path(__file__).parents[2] / "../shared/corpus"
@@ -144,7 +144,7 @@ def written_square(folder: Path) -> Path:
 
 def test_what_an_obj_says_besides_is_told(tmp_path: Path) -> None:
     path = written_square(tmp_path)
-    (note,) = read_surface(path, Wanted(texture=True)).notes
+    (note,) = read_surface(path, ReadOptions(texture=True)).notes
     assert note == "left out: relief (a bump map), transparency"
     (note,) = read_surface(path).notes
     assert note == "left out: its colours and pictures"
@@ -199,7 +199,7 @@ def _inline(data: bytes) -> str:
 def read(folder: Path, document: dict):
     path = folder / "a.gltf"
     path.write_text(json.dumps(document))
-    return read_surface(path, Wanted(texture=True))
+    return read_surface(path, ReadOptions(texture=True))
 
 
 def test_what_a_gltf_says_besides_is_told(tmp_path: Path) -> None:
@@ -237,7 +237,7 @@ def test_what_has_no_surface_in_a_gltf_is_told(tmp_path: Path) -> None:
 def test_lines_and_points_of_an_obj_are_told(tmp_path: Path, texture: bool) -> None:
     path = tmp_path / "a.obj"
     path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nl 1 2\np 3\n")
-    assert read_surface(path, Wanted(texture=texture)).notes == ("left out: lines, points",)
+    assert read_surface(path, ReadOptions(texture=texture)).notes == ("left out: lines, points",)
 
 
 def test_edges_of_a_ply_are_told(tmp_path: Path) -> None:
@@ -310,7 +310,7 @@ def picture(codes=CODES):
 
 
 def with_pictures(path):
-    return read_surface(path, Wanted(texture=True))
+    return read_surface(path, ReadOptions(texture=True))
 
 
 # -- PLY --------------------------------------------------------------------------------------

@@ -27,7 +27,7 @@ from paint3d.files.load import load_mesh
 from paint3d.files.pictures import write_picture
 from paint3d.files.project.painting import Painting, read_painting
 from paint3d.files.project.session import Session, load_session, save_session
-from paint3d.files.reading import Wanted, read_surface_apart
+from paint3d.files.reading import ReadOptions, read_surface_apart
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.view.shot import Shot
@@ -149,7 +149,7 @@ def test_on_glaze_ink_is_glossy_while_wet_and_matt_when_dry(tmp_path):
     assert thin.wet_look.roughness(glaze)[there].max() < 0.5 * (glaze + MATT_ROUGHNESS)
     export(pine, tmp_path / "dry.glb", ExportOptions(exact=True))
     (read,) = trimesh.load(tmp_path / "dry.glb", process=False).geometry.values()
-    again = read_surface_apart(tmp_path / "dry.glb", Wanted(texture=True))
+    again = read_surface_apart(tmp_path / "dry.glb", ReadOptions(texture=True))
     assert again.notes == ("left out: the gloss of its ink (a painting, .p3d, keeps it)",)
     picture = np.asarray(read.visual.material.metallicRoughnessTexture.convert("RGB"))
     found = picture[0, np.rint(read.visual.uv[:, 0] * 256.0 - 0.5).astype(int), 1] / 255.0

@@ -21,7 +21,7 @@ from paint3d.recording.flat_recording import (
     MM_PER_PIXEL,
     angles_from_orientations,
     orientations_from_angles,
-    spread_ties,
+    spread_equal_times,
 )
 from paint3d.recording.number_table import NumberTable
 from paint3d.recording.recording import Recording, TextLines, load_recording, save_recording
@@ -40,7 +40,7 @@ def test_the_tip_trails_away_from_the_lean():
 
 
 def test_ties_are_spread_up_to_the_next_stamp():
-    times, n_moved = spread_ties(np.array([0, 10, 10, 10, 40, 50, 50]))
+    times, n_moved = spread_equal_times(np.array([0, 10, 10, 10, 40, 50, 50]))
     assert times.tolist() == [0, 10, 20, 30, 40, 50, 55]
     assert n_moved == 3
 
@@ -579,7 +579,7 @@ def test_every_way_to_write_a_number_gives_what_python_reads() -> None:
     z = table.column("z")[1]
     np.testing.assert_array_equal(z, [float(row[2] or "nan") for row in rows])
     assert [table.line(k) for k in (0, 3, 199)] == [2, 5, 201]
-    table.let_go("x", "none")
+    table.drop("x", "none")
     assert table.column("x") is None
 
 

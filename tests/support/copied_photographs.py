@@ -22,7 +22,7 @@ from paint3d.calligraphy.photo.likeness import (
     painted_sheet,
     strength_of_both,
 )
-from paint3d.calligraphy.photo.rehearsal import rehearsed
+from paint3d.calligraphy.photo.rehearsal import rehearse
 from paint3d.calligraphy.shapes.decompose import decompose
 from paint3d.calligraphy.writing import WritingSettings, Written, write_page
 from paint3d.colour.materials import load_material
@@ -199,7 +199,7 @@ def painted_copy(
         return surface
 
     plan = write_page(mesh, page, WritingSettings(brush, _EM_MM))
-    written = rehearsed(plan, paint, made_of, trials, replace(sheet, page=page))
+    written = rehearse(plan, paint, made_of, trials, replace(sheet, page=page))
     assert written.page is not None
     placed = list(zip(written.page.pieces, written.placed, strict=True))
     return painted_sheet(sheet, placed, paint(written))

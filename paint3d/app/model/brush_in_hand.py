@@ -178,8 +178,8 @@ class ToolOverride:
                 left = _fraction_left(hairs.load.sum(axis=1), self._hair_load.sum(axis=1))
                 load = of_hairs["load"] * left[:, None]
                 of_hairs = {"load": load, "memory": hairs.memory.copy()}
-                held = load.sum(axis=0)  # hairs know only the inks that they have held
-                own = replace(own, load=np.pad(held, (0, len(own.load) - len(held))))
+                left_load = load.sum(axis=0)  # hairs know only the inks that they have held
+                own = replace(own, load=np.pad(left_load, (0, len(own.load) - len(left_load))))
         before, loaded = painter.in_brush(), painter.loaded
         own.put(surface)
         surface.ink.off_surface[:] = now.off_surface
@@ -189,8 +189,8 @@ class ToolOverride:
 
 def _fraction_left(now: AnyArray, began: AnyArray) -> AnyArray:
     """The fraction that is left of each."""
-    held = np.asarray(began) > 0.0
-    fraction: AnyArray = np.where(held, now / np.where(held, began, 1.0), 1.0)
+    had_ink = np.asarray(began) > 0.0
+    fraction: AnyArray = np.where(had_ink, now / np.where(had_ink, began, 1.0), 1.0)
     return fraction
 
 

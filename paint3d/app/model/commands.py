@@ -1,4 +1,4 @@
-"""The registry of commands: whatever a user can ask for, and everything that is said of it.
+"""The registry of commands: each with its keys, its texts, and how undo treats it.
 
 One entry of `COMMANDS` says where a command stands in the menus, what its keys are, what it is
 called, and, if it changes the painting, how recordings and journals write it down. `Document` has a
@@ -50,7 +50,6 @@ __all__ = [
     "decode_command",
     "encode_command",
     "encode_line",
-    "find_shortcuts",
     "replay_command",
 ]
 
@@ -78,7 +77,7 @@ TITLES = {
 
 @dataclass(frozen=True)
 class Command:
-    """Something that a user can ask for.
+    """A command of the studio.
 
     Attributes
     ----------
@@ -135,7 +134,7 @@ class Command:
 
 @dataclass(frozen=True)
 class Shortcut:
-    """One way to ask for a command.
+    """A way to ask for a command.
 
     Attributes
     ----------
@@ -507,11 +506,6 @@ SHORTCUTS: tuple[Shortcut, ...] = tuple(
 """The whole key map."""
 
 
-def find_shortcuts(name: str) -> list[Shortcut]:
-    """All ways to ask for a command."""
-    return [shortcut for shortcut in SHORTCUTS if shortcut.action == name]
-
-
 # ---- Commands as lines ---------------------------------------------------------------------------
 # A journal and a recording write a command in the same words. A recording can be played on another
 # object; a journal goes on from a painting, so it may name faces by their numbers, and each of its
@@ -630,7 +624,7 @@ def replay_command(document: Any, line: Mapping[str, Any]) -> None:
     getattr(document, name)(*arguments, **options)
 
 
-# Journals of before commands were lines gave arguments by their places, and objects by their class.
+# Older journals, from before commands were lines, give arguments by position, and objects by class.
 _KINDS: dict[str, type[Any]] = {
     kind.__name__: kind
     for kind in (BrushSpec, BristleSpec, Pigment, Symmetry, MirrorPlane, RadialSymmetry, Mask,

@@ -22,7 +22,7 @@ from paint3d.app.model.stroke_log import ERASES, Stroke
 from paint3d.calligraphy.fonts.fallback import FallbackGlyphs, set_whole, with_fallback
 from paint3d.calligraphy.glyph_sources import has_letters, load_glyphs, open_glyphs
 from paint3d.calligraphy.glyphs import Glyph
-from paint3d.calligraphy.layout import LEAST_EM_MM, MOST_EM_MM, Layout, PlacedCharacter, layout_text
+from paint3d.calligraphy.layout import LEAST_EM_MM, MOST_EM_MM, Layout, layout_text
 from paint3d.calligraphy.metrics import Likeness, compare, copybook_mask, painted_mask
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.opening import set_in
@@ -66,7 +66,7 @@ _GRID_LINES = {
 
 @dataclass(eq=False)
 class Ghost:
-    """One character of a copybook, or a piece of a page.
+    """A character of a copybook, or a piece of a page.
 
     Attributes
     ----------
@@ -89,7 +89,7 @@ class Ghost:
 
     @property
     def is_written(self) -> bool:
-        """Whether it has as many strokes as its glyph."""
+        """True if it has as many strokes as its glyph."""
         return len(self.strokes) >= len(self.glyph.strokes)
 
     @property
@@ -149,7 +149,7 @@ class Ghost:
             return square.chart
 
     def compare(self, surface: PaintedSurface) -> Likeness | None:
-        """How like the glyph the painting in the square is; None where nothing is painted.
+        """Likeness of the painting in the square to the glyph; None where nothing is painted.
 
         All paint there counts, of all layers.
         """
@@ -185,7 +185,7 @@ class Ghost:
 
 @dataclass(frozen=True)
 class CopybookMark:
-    """What a stroke meant to a copybook.
+    """Mark that a stroke gets from a copybook.
 
     Attributes
     ----------
@@ -209,7 +209,7 @@ class CopybookMark:
 
 @dataclass(frozen=True, eq=False)
 class CopybookBlock:
-    """The room that a text takes, around its middle.
+    """The box around a text.
 
     Attributes
     ----------
@@ -265,7 +265,7 @@ class Copybook:
         The text with a line break after each column or row; empty of a page.
     block : CopybookBlock
     marks : dict of int to CopybookMark
-        Of characters by their place, the last of each.
+        Of characters by their index, the last of each.
     page : Page or None
         As it was composed; None of known characters.
     from_fonts : dict of str to str
@@ -304,7 +304,11 @@ class Copybook:
             glyphs = load_glyphs(source, "".join(text.split()))
             squares = layout_text(surface, text, em_mm, layout)
             placed = [PlacedPiece(glyphs[one.text], one.square) for one in squares]
-            self.lines = _lines_of(squares)
+            lines = "".join(
+                ("\n" if k and one.line != squares[k - 1].line else "") + one.text
+                for k, one in enumerate(squares)
+            )
+            self.lines = lines
         else:
             self.page, placed = lay_page(surface, text, em_mm, layout)
         self._surface = surface
@@ -334,51 +338,51 @@ class Copybook:
 
     @cached_property
     def block(self) -> CopybookBlock:
-        """The room that it takes."""
+        """The box around it."""
         return CopybookBlock.of(self._surface, self.squares)
 
     def grid(self, kind: str, columns: bool, *, unwritten: bool = False) -> list[AnyArray]:
         """Lines (K, 3), mm, of one of the `GRIDS` around all characters, or those to be written."""
-        ways = _GRID_LINES.get(kind, ())
+        segments = _GRID_LINES.get(kind, ())
         if kind == "columns":
-            ways = (_LEFT, _RIGHT) if columns else (_TOP, _BOTTOM)
+            segments = (_LEFT, _RIGHT) if columns else (_TOP, _BOTTOM)
         done = {id(ghost.square) for ghost in self.ghosts if unwritten and ghost.is_written}
         lines = []
         for square in self.squares:
             if id(square) in done:
                 continue
             half = 0.5 * np.array([square.width_mm, square.height_mm])
-            for way in ways:
-                xy = _densify(half * np.array(way), False, _STEP * square.em_mm)
+            for segment in segments:
+                xy = _densify(half * np.array(segment), False, _STEP * square.em_mm)
                 lines.append(square.chart.points(xy) + _LIFT_MM * square.chart.normals(xy))
         return lines
 
     @property
     def next(self) -> int | None:
-        """Place of the first character that is not written yet; None when all are."""
+        """Index of the first character that is not written yet; None when all are."""
         return next((k for k, ghost in enumerate(self.ghosts) if not ghost.is_written), None)
 
-    def _find_character(self, way: AnyArray) -> int | None:
-        """The character in whose square most of a way (N, 3) lies; None where in none."""
+    def _find_character(self, path: AnyArray) -> int | None:
+        """The character in whose square most of a path (N, 3) lies; None where in none."""
         if not self.ghosts:
             return None
-        feet = self._surface.find(way[:: -(-len(way) // _LOOKED_AT)]).points
+        feet = self._surface.find(path[:: -(-len(path) // _LOOKED_AT)]).points
         counts = [_count_inside(ghost, feet) for ghost in self.ghosts]
         best = int(np.argmax(counts))
         return best if counts[best] > 0 else None
 
     def note(self, stroke: Stroke, surface: PaintedSurface) -> CopybookMark | None:
         """Take a stroke that was painted; None where it belongs to no character."""
-        places = self._count(stroke, is_over=True).places
-        if not places:
+        indices = self._count(stroke, is_over=True).places
+        if not indices:
             return None
-        place = places[-1]
-        ghost = self.ghosts[place]
-        stroke.tags |= {"character": ghost.text, "place": place}
+        index = indices[-1]
+        ghost = self.ghosts[index]
+        stroke.tags |= {"character": ghost.text, "place": index}
         likeness = ghost.compare(surface) if ghost.is_written else None
-        mark = CopybookMark(place, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
+        mark = CopybookMark(index, ghost.text, len(ghost.strokes), likeness, ghost.seconds)
         with self._keeping:
-            self.marks[place] = mark
+            self.marks[index] = mark
         return mark
 
     def begin_after(self, strokes: Sequence[Stroke]) -> None:
@@ -387,7 +391,7 @@ class Copybook:
             self._counted[id(stroke)] = _Counted(stroke, len(stroke.samples))
 
     def go_on_from(self, other: Copybook) -> None:
-        """Have counted what another copybook of the same characters, in the same places, has."""
+        """Take over the counts of another copybook of the same characters at the same positions."""
         with other._keeping:
             self.marks = dict(other.marks)
             self._counted = {
@@ -407,10 +411,10 @@ class Copybook:
         if not self._counted.keys() <= there:
             with self._keeping:
                 self._counted = {k: one for k, one in self._counted.items() if k in there}
-                for place, ghost in enumerate(self.ghosts):
+                for index, ghost in enumerate(self.ghosts):
                     ghost.strokes = [stroke for stroke in ghost.strokes if id(stroke) in there]
                     if not ghost.is_written:
-                        self.marks.pop(place, None)
+                        self.marks.pop(index, None)
         for stroke in strokes:
             self._count(stroke, is_over=True)
         if current is not None:
@@ -425,28 +429,28 @@ class Copybook:
         step = 1 if len(samples) < _MANY else _SPARSE
         # the way, not the root: that of a brush that leans is over another character
         path = object_poses(samples[::step])
-        runs, n_looked = _strokes_in(path, is_over=is_over)
-        found = [self._find_character(path.way[first:last]) for first, last in runs]
-        places = [place for place in found if place is not None]
+        runs, n_looked = _split_by_lifts(path, is_over=is_over)
+        nearest = [self._find_character(path.way[first:last]) for first, last in runs]
+        indices = [index for index in nearest if index is not None]
         with self._keeping:
             self._counted[id(stroke)] = counted
             counted.n_samples += min(step * n_looked, len(samples))
-            counted.places += places
-            for place in places:
-                self.ghosts[place].strokes.append(stroke)
+            counted.places += indices
+            for index in indices:
+                self.ghosts[index].strokes.append(stroke)
         return counted
 
 
 @dataclass(eq=False)
 class _Counted:
-    """What a stroke was counted for: the places of characters, and how many of its samples."""
+    """A stroke and what it was counted for: its characters' indices, and its samples so far."""
 
     stroke: Stroke  # held: its id stands for it
     n_samples: int = 0
     places: list[int] = field(default_factory=list)
 
 
-def _strokes_in(path: BrushPath, *, is_over: bool) -> tuple[list[tuple[int, int]], int]:
+def _split_by_lifts(path: BrushPath, *, is_over: bool) -> tuple[list[tuple[int, int]], int]:
     """From where to before where the brush is down, and up to where that is known.
 
     It is one stroke as long as the brush is lifted for moments only.
@@ -465,17 +469,8 @@ def _strokes_in(path: BrushPath, *, is_over: bool) -> tuple[list[tuple[int, int]
     return runs, n
 
 
-def _lines_of(placed: Sequence[PlacedCharacter]) -> str:
-    """A text with a line break after each column or row."""
-    text = "".join(
-        ("\n" if k and one.line != placed[k - 1].line else "") + one.text
-        for k, one in enumerate(placed)
-    )
-    return text
-
-
 def _count_inside(ghost: Ghost, points: AnyArray) -> int:
-    """How many of the points lie in a character's square."""
+    """Number of points that lie in a character's square."""
     em = ghost.square.em_mm
     near = np.linalg.norm(points - ghost.chart.frame.origin, axis=1) < 2.0 * ghost.half.max()
     if not near.any():

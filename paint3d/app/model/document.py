@@ -29,7 +29,7 @@ from paint3d.app.model.edit_history import (
     without_refusals,
 )
 from paint3d.app.model.input.symmetry import Symmetry
-from paint3d.app.model.laid_text import LaidText, packed_texts, unpacked_texts
+from paint3d.app.model.laid_text import LaidText, pack_texts, unpack_texts
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words, hair_words
 from paint3d.app.model.persistence.saved_history import MOST_BYTES, restore_history, saved_history
@@ -49,7 +49,7 @@ from paint3d.app.model.stroke_log import (
     ERASES,
     Stroke,
     StrokeLog,
-    checked_pairs,
+    check_pairs,
     names_apart,
     parts_of,
     strokes_of,
@@ -87,9 +87,9 @@ from paint3d.view.pressed_tuft import TuftFollower
 
 __all__ = ["Document", "FileState"]
 
-_BLOTTED = 0.8  # of wet ink, that blotting paper lifts
+_BLOT_FRACTION = 0.8  # of wet ink, that blotting paper lifts
 _MOST_PICKUP = 1000.0  # 1/mm, as in recordings
-_MANY_OUTDATED = 1024  # vertices, above which their colours are found while nobody paints
+_MANY_OUTDATED = 1024  # vertices, above which their colours are computed while nobody paints
 _EDIT_STEP = COMMANDS["edit_strokes"].undo_label
 # Label of a step of an edit that no stroke begins: it is taken back with the step before it, and
 # done again with the one after it.
@@ -99,7 +99,7 @@ FileState = tuple[int, int, int]
 
 
 class Document:
-    """One painting, with everything that can be done to it.
+    """A painting, with everything that can be done to it.
 
     Make it with `Document.new` or `Document.open`. Methods that change the painting are `recorded`;
     `paint3d.app.model.commands` says what else belongs to them.
@@ -115,13 +115,13 @@ class Document:
     inks : list of two inks
         The one the brush is dipped in, and the one that `swap_inks` takes.
     properties : dict
-        Anything else that is to be kept with the painting, as JSON holds it.
+        Anything else that is to be saved with the painting, as JSON holds it.
     tuft_follower : TuftFollower
         Finds how the tuft lies on the surface, for drawing it.
     modified : bool
         Whether it is otherwise than it was saved; undo and redo may lead back there.
     left_out : bool
-        Whether some steps found no room in the file when it was saved last.
+        True if the file had no capacity for some steps when it was saved last.
     looks_back : bool
         Whether strokes were undone by `replay_history` and not done again since.
     edits : EditHistory
@@ -160,7 +160,7 @@ class Document:
         self._saved_at: int | None = 0
         self.left_out = False
         self._recordings = tuple(saved.recordings if saved else ())
-        self._texts = unpacked_texts(self.properties.pop("texts", []))
+        self._texts = unpack_texts(self.properties.pop("texts", []))
         self._log = StrokeLog(saved.strokes if saved else (), self.properties.get("brushes", {}))
         surface.use_layers()
         self._dipped_since_stroke = self.properties.get("fresh", True) is not False
@@ -186,7 +186,7 @@ class Document:
 
     @property
     def score(self) -> Score | None:
-        """All that happened; None where that is not known from the beginning.
+        """The score; None where it is not known from the beginning.
 
         `score.playing.score_of_strokes` then makes one of the strokes alone.
         """
@@ -202,21 +202,23 @@ class Document:
         try:
             undone = strokes_of(saved.undone, self.properties.get("brushes"))
             log = self._log
-            held = restore_history(self.surface, self._undo, saved.history, log.strokes, undone)
+            n_restored = restore_history(
+                self.surface, self._undo, saved.history, log.strokes, undone
+            )
         except SessionError as error:
             return error.message
-        self._log.hold(held)
+        self._log.hold(n_restored)
         return None
 
     def _capture_state(self) -> dict[str, object]:
-        """What undo brings back besides the surface."""
-        texts = packed_texts(self._texts)
+        """State that undo restores besides the surface."""
+        texts = pack_texts(self._texts)
         return {"painter": self.painter.keep(), "dipped": self._dipped_since_stroke, "texts": texts}
 
     def _restore_state(self, state: Any) -> None:
         self.painter.restore(state["painter"])
         self._dipped_since_stroke = state["dipped"]
-        self._texts = unpacked_texts(state["texts"])
+        self._texts = unpack_texts(state["texts"])
 
     # -- opening and saving ---------------------------------------------------------------
 
@@ -320,9 +322,9 @@ class Document:
     def save_copy(self, path: str | os.PathLike[str], progress: Progress | None = None) -> None:
         """Write everything to a session that is not the painting's own; see `save`."""
         self._refresh_colours()
-        save_session(self._session(), path, progress)
+        save_session(self._make_session(), path, progress)
 
-    def _session(self) -> Session:
+    def _make_session(self) -> Session:
         settings = {**self.properties, "brush": brush_words(self.painter.brush)}
         settings |= {"ink": self.painter.ink.name, "unit": self.unit}
         settings["azimuth"] = self.painter.azimuth
@@ -368,7 +370,7 @@ class Document:
 
     @property
     def file_changed_on_disk(self) -> bool:
-        """Whether the session's file was changed since it was opened or saved here."""
+        """True if the session's file was changed since it was opened or saved here."""
         now = _stat(self.path)
         return now is not None and now != self._file_state
 
@@ -413,24 +415,24 @@ class Document:
     # -- how it is looked at ----------------------------------------------------------------
 
     def set_reference(self, reference: Mapping[str, Any] | None = None) -> None:
-        """Keep with the painting which picture is beside the work, and how; None: none."""
+        """Store the reference picture and how it is shown with the painting; None: none."""
         if self._set_property("reference", reference):
             self.mark_modified()
 
     def set_views(self, views: Mapping[str, Mapping[str, Any]]) -> None:
-        """Keep with the painting from where it is looked at, by name."""
+        """Store named views of the painting with it."""
         if self._set_property("views", views):
             self.mark_modified()
 
     def set_light(self, kind: str, turn: float) -> None:
-        """Keep with the painting in which light it is seen, one of `LIVE_LIGHTS`, turned by rad.
+        """Store the light the painting is seen in, one of `LIVE_LIGHTS`, turned by rad.
 
         That is no reason to save it.
         """
         self._set_property("light", {"kind": kind, "turn": turn})
 
     def _set_property(self, name: str, value: Mapping[str, Any] | None) -> bool:
-        """Put a property among `properties`, or take it out; whether it was another."""
+        """Set or remove one of `properties`; return whether it changed."""
         self.check_access()
         before = self.properties.pop(name, None)
         if value is not None:
@@ -473,7 +475,7 @@ class Document:
 
     @recorded
     def set_azimuth(self, azimuth: str) -> None:
-        """Let the pose's roll turn the tuft ("commanded"), or the surface pull it ("dragged").
+        """Turn the tuft by the pose's roll ("commanded"), or as the surface drags it ("dragged").
 
         Raises
         ------
@@ -490,7 +492,7 @@ class Document:
 
     @recorded
     def set_pickup(self, pickup: float) -> None:
-        """Let the brush take up wet ink: so large a fraction per mm of way at full pressure.
+        """Take up wet ink with the brush: this fraction per mm of path at full pressure.
 
         Raises
         ------
@@ -503,7 +505,7 @@ class Document:
 
     @property
     def pickup(self) -> float:
-        """Share of the wet ink under the brush that it takes up per mm of way at full pressure."""
+        """Fraction of the wet ink under the brush that it takes up per mm at full pressure."""
         return float(self.surface.ink.transfer["pickup"].item())
 
     @recorded
@@ -529,7 +531,7 @@ class Document:
 
     @recorded
     def wipe(self, share: float = 0.5) -> None:
-        """Wipe a share of the ink off the brush, 0 to 1."""
+        """Wipe a fraction of the ink off the brush, 0 to 1."""
         self.painter.wipe(share)
 
     @recorded
@@ -541,7 +543,7 @@ class Document:
 
     @recorded
     def pick_colour(self, vertex_id: int) -> dict[str, float] | None:
-        """Dip the brush in what is on a vertex, as it is mixed there; what that is.
+        """Dip the brush in the mixture on a vertex; return it.
 
         Returns
         -------
@@ -565,15 +567,15 @@ class Document:
         if not parts.any():
             return None
         parts /= parts.sum()
-        found = {p: float(w) for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-3}
-        self.dip(found)
-        return {pigment.name: part for pigment, part in found.items()}
+        ink = {p: float(w) for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-3}
+        self.dip(ink)
+        return {pigment.name: part for pigment, part in ink.items()}
 
     # -- strokes ----------------------------------------------------------------------------
 
     @property
     def in_stroke(self) -> bool:
-        """Whether a stroke is going on."""
+        """True if a stroke is going on."""
         return self._log.current is not None
 
     @property
@@ -589,7 +591,7 @@ class Document:
 
     @property
     def strokes(self) -> Sequence[Stroke]:
-        """What was painted by hand and is there, in order; those of earlier sessions first."""
+        """Strokes that are there, in order; those of earlier sessions first."""
         return self._log.strokes
 
     @property
@@ -636,8 +638,8 @@ class Document:
         self._refuse_in_stroke(Message("beginning another stroke"))
         self._end_preview()
         self._refused = True
-        loads = checked_pairs("loads", loads)
-        strengths = checked_pairs("strengths", strengths, LEAST_INK)
+        loads = check_pairs("loads", loads)
+        strengths = check_pairs("strengths", strengths, LEAST_INK)
         layer = self._require_paintable()
         painter = self.painter
         stroke = self._log.begin(
@@ -717,7 +719,7 @@ class Document:
         return stroke
 
     def break_off(self) -> None:
-        """End the stroke that is going on now; what its hand still sends is passed over."""
+        """End the stroke that is going on now; ignore what its hand still sends."""
         if self.in_stroke:
             self.end_stroke()
             self._refused = True
@@ -765,7 +767,7 @@ class Document:
 
     @property
     def mask(self) -> Mask:
-        """Where paint is taken; see `set_mask`."""
+        """Mask that says where paint is taken; see `set_mask`."""
         return self._strokes.mask
 
     @property
@@ -775,12 +777,12 @@ class Document:
 
     @property
     def tags(self) -> dict[str, object]:
-        """What every stroke from now on says as well; see `set_tags`."""
+        """Tags that every stroke gets from now on; see `set_tags`."""
         return dict(self._log.tags)
 
     @recorded
     def set_tags(self, /, **tags: object) -> None:
-        """Have every stroke from now on say this as well, as JSON holds it; none: no more."""
+        """Give every stroke these tags from now on, as JSON holds them; none by default."""
         self._log.tags = dict(tags)
 
     def _refuse_in_stroke(self, what: Message) -> None:
@@ -790,7 +792,7 @@ class Document:
             )
 
     def prepare_next_stroke(self) -> None:
-        """Do ahead, while nobody paints, what the next stroke would wait for; paint nothing."""
+        """Prepare ahead what the next stroke would wait for; paint nothing."""
         if not self.in_stroke:
             self.surface.grow_ahead()
             if self.surface.n_outdated > _MANY_OUTDATED:  # wet ink looks at them at every step
@@ -817,7 +819,7 @@ class Document:
 
     @recorded
     def dry(self) -> None:
-        """Let all wet paint dry at once: a step that can be undone."""
+        """Dry all wet paint at once: a step that can be undone."""
         self._refuse_in_stroke(Message("drying"))
         self._end_preview()
         self._require_paintable()
@@ -826,15 +828,15 @@ class Document:
         self.modified = True
 
     @recorded
-    def blot(self, share: float = _BLOTTED) -> None:
+    def blot(self, share: float = _BLOT_FRACTION) -> None:
         """Lay blotting paper on what is wet, and take it up: a step that can be undone.
 
-        It lifts the water and a share of the ink, 0 to 1, where the mask allows; the rest dries.
+        It lifts the water and a fraction of the ink, 0 to 1, where the mask allows; the rest dries.
 
         Raises
         ------
         InputError
-            If a stroke is going on, the layer is locked or hidden, or it is no such share.
+            If a stroke is going on, the layer is locked or hidden, or it is no such fraction.
         """
         self._refuse_in_stroke(Message("blotting"))
         share = as_number(share, "share", 0.0, 1.0)
@@ -857,12 +859,12 @@ class Document:
 
     @property
     def layers(self) -> tuple[Layer, ...]:
-        """What is said of each layer, the lowest first."""
+        """Properties of each layer, the lowest first."""
         return self.surface.use_layers().layers
 
     @property
     def active_layer(self) -> int:
-        """Place of the layer that is painted on, from 0 for the lowest."""
+        """Index of the layer that is painted on, from 0 for the lowest."""
         return self.surface.use_layers().active
 
     @recorded
@@ -872,18 +874,18 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, or a stroke is going on.
+            If there is none at that index, or a stroke is going on.
         """
         self._restack("select_layer", lambda stack: stack.activate(place))
 
     @recorded
     def add_layer(self, name: str | None = None, place: int | None = None) -> None:
-        """Put an empty layer above the one that is painted on, or at a place, and paint on it.
+        """Put an empty layer above the one that is painted on, or at an index, and paint on it.
 
         Raises
         ------
         InputError
-            If the name or the place is none, or there are too many.
+            If the name or the index is none, or there are too many.
         """
         name = name or _first_free(layer.name for layer in self.layers)
         place = self.active_layer + 1 if place is None else place
@@ -896,13 +898,13 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, it is the only one, or a stroke is going on.
+            If there is none at that index, it is the only one, or a stroke is going on.
         """
         self._restack("remove_layer", lambda stack: stack.remove(place))
 
     @recorded
     def move_layer(self, place: int, to: int, within: int | None = None) -> None:
-        """Put a layer at another place, or into a group or out of it: a step that can be undone.
+        """Put a layer at another index, or into a group or out of it: a step that can be undone.
 
         Parameters
         ----------
@@ -913,15 +915,15 @@ class Document:
         Raises
         ------
         InputError
-            If there is no such place, a group would lie in two parts, or a stroke is going on.
+            If there is no such index, a group would lie in two parts, or a stroke is going on.
         """
         self._restack("move_layer", lambda stack: stack.move(place, to, within))
 
-    # A group is named by the place of any of its layers.
+    # A group is named by the index of any of its layers.
 
     @recorded
     def add_group(self, place: int, last: int | None = None, name: str | None = None) -> None:
-        """Make a group of the layers from a place to the last: a step that can be undone.
+        """Make a group of the layers from an index to the last: a step that can be undone.
 
         Raises
         ------
@@ -940,7 +942,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, or a stroke is going on.
+            If there is no layer at that index, it is in no group, or a stroke is going on.
         """
         self._restack("ungroup", lambda stack: stack.ungroup(place))
 
@@ -951,7 +953,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, the name is none, there are too
+            If there is no layer at that index, it is in no group, the name is none, there are too
             many, or a stroke is going on.
         """
         name = name or self._free_group_name()
@@ -959,12 +961,12 @@ class Document:
 
     @recorded
     def move_group(self, place: int, to: int) -> None:
-        """Put a group so that its lowest layer is at a place: a step that can be undone.
+        """Put a group so that its lowest layer is at an index: a step that can be undone.
 
         Raises
         ------
         InputError
-            If there is no such place, the layer is in no group, another group would lie in two
+            If there is no such index, the layer is in no group, another group would lie in two
             parts, or a stroke is going on.
         """
         self._restack("move_group", lambda stack: stack.move_group(place, to))
@@ -976,20 +978,20 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, no other layer would stay, or a
+            If there is no layer at that index, it is in no group, no other layer would stay, or a
             stroke is going on.
         """
         self._restack("remove_group", lambda stack: stack.remove_group(place))
 
     @recorded
     def set_group_opacity(self, place: int, opacity: float) -> None:
-        """How much of a group shows, 0 to 1: a step that can be undone.
+        """Set how much of a group shows, 0 to 1: a step that can be undone.
 
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, it is no such share, or a stroke
-            is going on.
+            If there is no layer at that index, it is in no group, the opacity is out of range, or
+            a stroke is going on.
         """
         self._restack(
             "set_group_opacity", lambda stack: stack.set_group_properties(place, opacity=opacity)
@@ -997,12 +999,12 @@ class Document:
 
     @recorded
     def set_group_blend(self, place: int, blend: str) -> None:
-        """How a group lies on what is below, "normal" or "multiply": a step that can be undone.
+        """Set how a group blends, "normal" or "multiply": a step that can be undone.
 
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, it is neither, or a stroke is
+            If there is no layer at that index, it is in no group, it is neither, or a stroke is
             going on.
         """
         self._restack(
@@ -1022,7 +1024,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is no layer at that place, it is in no group, or a stroke is going on.
+            If there is no layer at that index, it is in no group, or a stroke is going on.
         """
         self._refuse_in_stroke(Message("showing or hiding a layer"))
         self.surface.use_layers().set_group_properties(place, visible=bool(visible))
@@ -1045,7 +1047,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, the name is none, there are too many, or a stroke is
+            If there is none at that index, the name is none, there are too many, or a stroke is
             going on.
         """
         name = name or _first_free(layer.name for layer in self.layers)
@@ -1058,7 +1060,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place or below it, one of them is locked or hidden, or a stroke
+            If there is none at that index or below it, one of them is locked or hidden, or a stroke
             is going on.
         """
         stack = self.surface.use_layers()
@@ -1077,23 +1079,23 @@ class Document:
 
     @recorded
     def set_opacity(self, place: int, opacity: float) -> None:
-        """How much of a layer shows, 0 to 1: a step that can be undone.
+        """Set how much of a layer shows, 0 to 1: a step that can be undone.
 
         Raises
         ------
         InputError
-            If there is none at that place, it is no such share, or a stroke is going on.
+            If there is none at that index, the opacity is out of range, or a stroke is going on.
         """
         self._restack("set_opacity", lambda stack: stack.set_properties(place, opacity=opacity))
 
     @recorded
     def set_blend(self, place: int, blend: str) -> None:
-        """How a layer lies on those below, "normal" or "multiply": a step that can be undone.
+        """Set how a layer blends, "normal" or "multiply": a step that can be undone.
 
         Raises
         ------
         InputError
-            If there is none at that place, it is neither, or a stroke is going on.
+            If there is none at that index, it is neither, or a stroke is going on.
         """
         self._restack("set_blend", lambda stack: stack.set_properties(place, blend=blend))
 
@@ -1110,7 +1112,7 @@ class Document:
         Raises
         ------
         InputError
-            If there is none at that place, or a stroke is going on.
+            If there is none at that index, or a stroke is going on.
         """
         self._refuse_in_stroke(Message("showing or hiding a layer"))
         self.surface.use_layers().set_properties(place, visible=bool(visible))
@@ -1170,7 +1172,7 @@ class Document:
 
     @property
     def texts(self) -> tuple[LaidText, ...]:
-        """What lies on the object to be written after."""
+        """Texts that lie on the object to be written after."""
         return self._texts
 
     @recorded
@@ -1182,7 +1184,7 @@ class Document:
         text : mapping
             What `LaidText.words` gives.
         number : int, optional
-            Of the text, from 0, whose place it takes; by default it lies beside those there are.
+            Of the text, from 0, which it replaces; by default it lies beside those there are.
 
         Raises
         ------
@@ -1215,7 +1217,7 @@ class Document:
                 count=count,
             )
         changed = (*self._texts[:number], *by, *self._texts[number + 1 :])
-        unpacked_texts([text.words() for text in changed])  # not too many
+        unpack_texts([text.words() for text in changed])  # not too many
         self._end_preview()
         self._undo.begin(COMMANDS[command].undo_label)
         self._texts = changed
@@ -1278,17 +1280,17 @@ class Document:
 
     @property
     def steps(self) -> UndoHistory:
-        """What can be undone, step by step."""
+        """Steps that can be undone."""
         return self._undo
 
     @property
     def can_undo(self) -> bool:
-        """Whether there is something to undo."""
+        """True if there is something to undo."""
         return bool(self._undo.done) or self.fewest_strokes < self.n_strokes_without_undo
 
     @property
     def can_redo(self) -> bool:
-        """Whether there is something to do again."""
+        """True if there is something to do again."""
         return bool(self._undo.undone) or self._can_edit_again
 
     @recorded
@@ -1318,8 +1320,8 @@ class Document:
         while steps.done and steps.done[-1] == _EDIT_STEP:
             touched.append(steps.undo())
         touched.append(steps.undo())
-        held = painter.brush, weights_of(painter.dipped), painter.amount
-        if held != (brush, weights_of(dipped), amount):
+        now = painter.brush, weights_of(painter.dipped), painter.amount
+        if now != (brush, weights_of(dipped), amount):
             painter.change_brush(brush)
             painter.dip(dipped, amount=amount)
             self._dipped_since_stroke = True
@@ -1342,16 +1344,16 @@ class Document:
         return self._follow_steps(touched)
 
     def _follow_log(self) -> None:
-        """Have the strokes of the steps that are done."""
+        """Update the strokes that are there from the steps that are done."""
         self._log.follow([label for label in self._undo.done if isinstance(label, Stroke)])
 
     def _follow_steps(self, touched: Sequence[AnyArray]) -> AnyArray:
-        """Have strokes, `modified` and changed vertices follow steps that were undone or redone."""
+        """Update strokes, `modified` and changed vertices after steps were undone or redone."""
         self._follow_log()
         self.update_modified()
-        found = self._union(touched)
-        self._queue_changed(found)
-        return found
+        vertex_ids = self._union(touched)
+        self._queue_changed(vertex_ids)
+        return vertex_ids
 
     def update_modified(self) -> None:
         """Set `modified` by whether the current undo step is the saved one."""
@@ -1401,7 +1403,7 @@ class Document:
             touched.append(self.recall_strokes())
         while len(self.strokes) > upto:
             touched.append(self._undo_step())
-        while len(self.strokes) < upto or self._next_is_no_stroke():
+        while len(self.strokes) < upto or self._next_redo_is_no_stroke():
             touched.append(self._redo_step())
         self._is_previewing, self.looks_back = passing, upto < most
         return self._union(touched)
@@ -1411,8 +1413,8 @@ class Document:
         if self._is_previewing:
             self.replay_history(len(self.strokes) + len(self.undone_strokes))
 
-    def _next_is_no_stroke(self) -> bool:
-        """Whether what can be done again next is drying, or a change of the layers."""
+    def _next_redo_is_no_stroke(self) -> bool:
+        """Return whether what can be done again next is drying, or a change of the layers."""
         undone = self._undo.undone
         return bool(undone) and not isinstance(undone[-1], Stroke)
 
@@ -1481,21 +1483,21 @@ class Document:
                 self._saved_at = self._undo.next_undo
         finally:
             touched += [self._undo.redo() for _ in range(n_done)]
-            held = painter.brush, names_of(dips_of(painter)), painter.amount
-            if held != (brush, names_of(dips), amount):
+            now = painter.brush, names_of(dips_of(painter)), painter.amount
+            if now != (brush, names_of(dips), amount):
                 painter.change_brush(brush)
                 for ink, reach in dips:  # the belly, and then the tip
                     painter.dip(ink, reach, amount if reach is None else None)
             self._dipped_since_stroke = since_dip
-            found = self._union(touched)
-            self.surface.touch(found)
-            self._queue_changed(found)
+            vertex_ids = self._union(touched)
+            self.surface.touch(vertex_ids)
+            self._queue_changed(vertex_ids)
         self.recorder = None  # what is painted again is not what was
-        return found
+        return vertex_ids
 
     # -- edits of strokes -------------------------------------------------------------------
 
-    # Neither edit is `recorded`: the edited score takes the place of the one that was kept.
+    # Neither edit is `recorded`: the edited score replaces the one that was recorded.
 
     def edit_strokes(self, places: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
         """Edit strokes, several as one, and paint everything after the first anew: one undo step.
@@ -1544,11 +1546,11 @@ class Document:
 
     @property
     def n_seals(self) -> int:
-        """How many seals there are that steps take back."""
+        """Number of seals that undo steps take back."""
         return self._undo.done.count(COMMANDS["press_seal"].undo_label)
 
     def pressed_seals(self) -> list[dict[str, Any]]:
-        """What each seal that is there was pressed with, as a line of the score says it."""
+        """Commands of the seals that are there, as lines of the score."""
         score = self.score
         if score is None:
             return []
@@ -1578,13 +1580,13 @@ class Document:
         """
         score = self._score_to_edit()
         seals = follow_steps(score).seals
-        held = self.n_seals
-        if not 0 <= place < len(seals) or len(seals) != held:
+        n_seals = self.n_seals
+        if not 0 <= place < len(seals) or len(seals) != n_seals:
             raise InputError(
                 "seal {number} cannot be edited: the score has {count} seals, undo reaches {steps}",
                 number=place + 1,
                 count=len(seals),
-                steps=held,
+                steps=n_seals,
             )
         words = self._serialize_edit(edit, score)
         edited = apply_seal_edit(score, place + 1, words)
@@ -1630,7 +1632,7 @@ class Document:
             )
 
     def _serialize_edit(self, edit: Mapping[str, Any], score: Score) -> Mapping[str, Any]:
-        """An edit as it can be done to a score."""
+        """An edit in the form that a score can apply."""
         if edit.get("do") == "ink" and "ink" in edit:
             inks = InkTable.of(score.header)
             return {**edit, "ink": inks.encode(edit["ink"]), "pigments": inks.table}
@@ -1657,7 +1659,7 @@ class Document:
         )
         try:
             with recorder.suspended(), self._restore_context(edited, begin):
-                self._play(edited, begin)
+                self._play_edited(edited, begin)
         except BaseException:
             with recorder.suspended():
                 self.cancel_stroke()
@@ -1672,12 +1674,12 @@ class Document:
         finally:
             self._restore_layer_properties(layers)
             self._take_in_hand(before)
-            found = self._union(touched)
-            self.surface.touch(found)
-            self._queue_changed(found)
-        return found
+            vertex_ids = self._union(touched)
+            self.surface.touch(vertex_ids)
+            self._queue_changed(vertex_ids)
+        return vertex_ids
 
-    def _play(self, edited: Score, begin: int) -> None:
+    def _play_edited(self, edited: Score, begin: int) -> None:
         """Play a score from an event on; the first step of it must be one by itself."""
         first = edited.events[begin] if begin < len(edited.events) else {"do": ""}
         if isinstance(first, Recording) or first["do"] != "begin_stroke":
@@ -1690,17 +1692,17 @@ class Document:
 
     @contextmanager
     def _restore_context(self, score: Score, begin: int) -> Iterator[None]:
-        """Within: symmetry, mask and the like as they were then, all layers seen and open."""
+        """Restore, within, symmetry, mask and the like of then; all layers visible and unlocked."""
         stack, saved_at = self.surface.use_layers(), self._saved_at
         strokes, tags, azimuth = self._strokes, dict(self._log.tags), self.painter.azimuth
         now = strokes.symmetry, strokes.mask, strokes.stencil
         inks = list(self.inks)
         self._is_repainting = True
         self._apply_settings_at(score, begin)
-        for place in range(len(stack.layers)):
-            stack.set_properties(place, visible=True, locked=False)
-            if stack.layers[place].group is not None:
-                stack.set_group_properties(place, visible=True)
+        for k in range(len(stack.layers)):
+            stack.set_properties(k, visible=True, locked=False)
+            if stack.layers[k].group is not None:
+                stack.set_group_properties(k, visible=True)
         try:
             yield
         finally:
@@ -1712,14 +1714,12 @@ class Document:
         """Give the layers the names, visibility and locks that they had."""
         stack = self.surface.use_layers()
         if len(stack.layers) == len(layers):
-            for place, layer in enumerate(layers):
-                stack.set_properties(
-                    place, name=layer.name, visible=layer.visible, locked=layer.locked
-                )
-                group, now = layer.group, stack.layers[place].group
+            for k, layer in enumerate(layers):
+                stack.set_properties(k, name=layer.name, visible=layer.visible, locked=layer.locked)
+                group, now = layer.group, stack.layers[k].group
                 if group is not None and now is not None:
                     stack.set_group_properties(
-                        place, name=group.name, visible=group.visible, folded=group.folded
+                        k, name=group.name, visible=group.visible, folded=group.folded
                     )
 
     def _apply_settings_at(self, score: Score, begin: int) -> None:
@@ -1745,21 +1745,21 @@ class Document:
         """Exchange the painting for the other version of the last edit."""
         before = self._in_hand()
         touched, self.recorder = turn(self.recorder)
-        found = self._follow_steps(touched)
+        vertex_ids = self._follow_steps(touched)
         self._take_in_hand(before)
         self._is_previewing = self.looks_back = False
-        return found
+        return vertex_ids
 
     def _in_hand(self) -> tuple[BrushSpec, Any, DipAmount]:
         return self.painter.brush, self.painter.dipped, self.painter.amount
 
     def _take_in_hand(self, in_hand: tuple[BrushSpec, Any, DipAmount]) -> None:
-        """Have the brush, the ink and so much of it as were chosen last."""
+        """Restore the brush, the ink and the amount of it that were chosen last."""
         brush, dipped, amount = in_hand
         if self.painter.brush != brush:
             self.set_brush(brush)
-        held = weights_of(self.painter.dipped), self.painter.amount
-        if held != (weights_of(dipped), amount):
+        now = weights_of(self.painter.dipped), self.painter.amount
+        if now != (weights_of(dipped), amount):
             self.dip(dipped, amount=amount.words())
 
     # -- what is shown --------------------------------------------------------------------

@@ -1,7 +1,7 @@
-"""Undo of edits of strokes: the painting as it was before an edit, and as it is after.
+"""Undo of edits of strokes: the painting before an edit, and after it.
 
 An edit goes back to where its stroke began, by undo, and plays the edited score from there. Steps
-that there were are kept aside, so that undo of the edit brings the painting back as it was, to
+that there were are set aside, so that undo of the edit brings the painting back as it was, to
 the bit, in one step; and redo the edited one.
 """
 
@@ -33,7 +33,7 @@ Turned = tuple[list[AnyArray], ScoreRecorder | None]
 
 @dataclass(eq=False)
 class Version:
-    """The painting as it is without an edit, or with it: what takes it there.
+    """The painting with or without an edit: the undo steps that lead to it.
 
     Attributes
     ----------
@@ -65,7 +65,7 @@ class Version:
 
 
 class EditHistory:
-    """The edits that undo takes back, and those that redo does again.
+    """The edits that undo and redo lead over.
 
     Parameters
     ----------
@@ -80,29 +80,29 @@ class EditHistory:
 
     @property
     def n_done(self) -> int:
-        """How many edits undo can take back."""
+        """Number of edits that undo can take back."""
         return len(self._done)
 
     @property
     def has_any(self) -> bool:
-        """Whether undo or redo may lead over an edit, which no file keeps."""
+        """True if undo or redo may lead over an edit, which no file keeps."""
         return bool(self._done or self._undone)
 
     @property
     def ends_here(self) -> bool:
-        """Whether the last thing that was done is an edit."""
+        """True if the last thing that was done is an edit."""
         return bool(self._done) and self._done[-1].last_step == self._steps.next_undo
 
     @property
     def continues_here(self) -> bool:
-        """Whether the next thing to do again is an edit."""
+        """True if the next thing to do again is an edit."""
         last = self._undone[-1] if self._undone else None
         if last is None:
             return False
         return last.last_step == self._steps.next_undo and last.newest == self._steps.newest
 
     def add(self, version: Version) -> None:
-        """Have another edit, which has just been done; the version is the painting without it."""
+        """Add an edit that has just been done; the version is the painting without it."""
         version.last_step = self._steps.next_undo
         self._done.append(version)
         self._undone.clear()

@@ -1,4 +1,4 @@
-"""What the painting thread hands to a view: what changed since the last time, and no more."""
+"""Frames from the painting thread to a view: what changed since the last one, and no more."""
 
 from __future__ import annotations
 
@@ -32,7 +32,6 @@ from paint3d.surface.layer_stack import Layer
 from paint3d.view.pressed_tuft import PressedTuft
 
 __all__ = [
-    "DISH",
     "HAIR",
     "BrushView",
     "HeldInk",
@@ -46,7 +45,7 @@ __all__ = [
 # ---- The ink in the brush ------------------------------------------------------------------------
 
 
-DISH = np.full(31, 0.9)
+_DISH = np.full(31, 0.9)
 """Reflectance of white porcelain."""
 
 HAIR = np.linspace(0.42, 0.62, 31)
@@ -57,12 +56,12 @@ _LEAST = 5e-3  # of what is held: less is not shown
 
 @dataclass(frozen=True, eq=False)
 class HeldInk:
-    """What a brush holds.
+    """Ink that a brush holds.
 
     Attributes
     ----------
     parts : tuple of (Pigment, float)
-        Shares of what it holds, of sum 1, the most first; empty for an empty brush.
+        Fractions of what it holds, of sum 1, the most first; empty for an empty brush.
     fraction : float
         Of a full load, 0 to 1.
     bands : tuple of (int, int, int)
@@ -75,15 +74,15 @@ class HeldInk:
 
 
 def held_ink(painter: Painter) -> HeldInk:
-    """What the brush of a painter holds now; may be asked while it paints."""
+    """Ink that the brush of a painter holds now; may be called while it paints."""
     ink, pigments = painter.surface.ink, tuple(painter.surface.pigments)
     load, reservoirs = np.maximum(ink.load, 0.0), np.maximum(ink.reservoirs, 0.0)
     total = float(load.sum())
     if total <= 0.0 or len(load) > len(pigments):
         return HeldInk((), 0.0, ())
     along = reservoirs if len(reservoirs) > 1 else load[None]
-    shares = along / np.maximum(along.sum(axis=1, keepdims=True), 1e-30)
-    bands = [ink_srgb(pigments, tuple(np.round(part, 3))) for part in shares]
+    fractions = along / np.maximum(along.sum(axis=1, keepdims=True), 1e-30)
+    bands = [ink_srgb(pigments, tuple(np.round(part, 3))) for part in fractions]
     parts = sorted(  # most first, water last
         zip(pigments, load / total, strict=False), key=lambda part: (part[0] is WATER, -part[1])
     )
@@ -101,12 +100,12 @@ def ink_srgb(
     ----------
     pigments : tuple of Pigment (P)
     parts : tuple of float (P)
-        Shares of sum 1; all 0 for none.
+        Fractions of sum 1; all 0 for none.
     on_hair : bool
     """
     inked: dict[str | Pigment, float]
     inked = {p: w for p, w in zip(pigments, parts, strict=False) if w > 0.0 and p is not WATER}
-    shown: AnyArray = HAIR if on_hair else DISH
+    shown: AnyArray = HAIR if on_hair else _DISH
     if inked:
         shown = mixture_reflectance(inked, sum(inked.values()), shown, by_volume=True)
     red, green, blue = (int(code) for code in srgb_from_reflectance(shown))
@@ -132,7 +131,7 @@ class BrushView:
     srgb : (3,) uint8
         Colour of the ink in it; of dry hair where it is empty.
     load : float
-        Share of a full load, 0 to 1.
+        Fraction of a full load, 0 to 1.
     painting : bool
         Whether a stroke is going on.
     """
@@ -273,7 +272,7 @@ class Snapshot:
 
 @dataclass(frozen=True, eq=False)
 class PaintingFrame:
-    """One state of the painting, as far as it differs from the frame before.
+    """A state of the painting: its changes since the frame before.
 
     Attributes
     ----------
@@ -301,10 +300,10 @@ class PaintingFrame:
 
 def view_brush(document: Document, sample: DeviceSample) -> BrushView:
     """The brush at a sample of both hands, its tuft as painting will have it there."""
-    samples, painted = _way_to(document, sample)
+    samples, painted = _unpainted_path(document, sample)
     path, painter = object_poses(samples), document.painter
-    held = document.surface.ink.load
-    parts = tuple(np.round(held / held.sum(), 3)) if held.sum() > 0.0 else ()
+    load = document.surface.ink.load
+    parts = tuple(np.round(load / load.sum(), 3)) if load.sum() > 0.0 else ()
     colour = ink_srgb(tuple(document.surface.pigments), parts, on_hair=True)
     return BrushView(
         path.position[-1],
@@ -312,12 +311,12 @@ def view_brush(document: Document, sample: DeviceSample) -> BrushView:
         sample.pressure,
         document.tuft_follower.follow(painter, path, painted=painted),
         np.array(colour, np.uint8),
-        float(min(1.0, held.sum() / painter.tuft.load)),
+        float(min(1.0, load.sum() / painter.tuft.load)),
         document.in_stroke,
     )
 
 
-def _way_to(document: Document, sample: DeviceSample) -> tuple[list[DeviceSample], bool]:
+def _unpainted_path(document: Document, sample: DeviceSample) -> tuple[list[DeviceSample], bool]:
     """The samples of the stroke from the one that is painted to this one; and whether that is so.
 
     A sample that cannot follow the stroke's is one by itself.

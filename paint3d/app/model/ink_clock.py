@@ -65,9 +65,9 @@ class InkClock:
         return passed
 
     def wait(self, now_ns: int, most: int) -> bool:
-        """Whether one more step has passed by the wall clock since the last sample.
+        """Return whether one more step has passed by the wall clock since the last sample.
 
-        Of steps that are due, `most` are kept for later calls; the rest are skipped.
+        Of steps that are due, `most` wait for later calls; the rest are skipped.
         """
         due = max(0, pieces_until(self._hand_ns(now_ns)) - self._passed)
         late = max(0, due - most)

@@ -17,7 +17,7 @@ from paint3d.calligraphy.layout import LAYOUTS, LEAST_EM_MM, MOST_EM_MM, Layout
 from paint3d.core.arrays import as_array, as_number
 from paint3d.errors import InputError
 
-__all__ = ["GRIDS", "LaidText", "packed_texts", "unpacked_texts"]
+__all__ = ["GRIDS", "LaidText", "pack_texts", "unpack_texts"]
 
 GRIDS = ("frame", "mi", "jiu", "tian", "columns", "none")
 """What is drawn around characters: their squares alone; with a cross and diagonals (米字格), nine
@@ -128,7 +128,7 @@ class LaidText:
 
     @property
     def layout(self) -> Layout:
-        """How it is laid out; around an object it lies level."""
+        """Layout of the text; around an object it lies level."""
         return Layout(
             self.order, gap=self.gap, between=self.between, point=self.point,
             turn=0.0 if self.around else self.turn, around=self.around,
@@ -136,12 +136,12 @@ class LaidText:
         )  # fmt: skip
 
     def words(self) -> dict[str, Any]:
-        """What `of` makes the same of, as JSON holds it; what is as usual is left out."""
+        """Dictionary from which `of` makes the same text, for JSON; without defaults."""
         usual = LaidText()
-        said = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}
+        values = {one.name: getattr(self, one.name) for one in dataclasses.fields(self)}
         return {
             name: list(value) if isinstance(value, tuple) else value
-            for name, value in said.items()
+            for name, value in values.items()
             if value != getattr(usual, name)
         }
 
@@ -173,12 +173,12 @@ class LaidText:
         return dataclasses.replace(self, **changes)
 
 
-def packed_texts(texts: Iterable[LaidText]) -> str:
+def pack_texts(texts: Iterable[LaidText]) -> str:
     """Texts as one line of JSON."""
     return json.dumps([text.words() for text in texts], ensure_ascii=False)
 
 
-def unpacked_texts(packed: object) -> tuple[LaidText, ...]:
+def unpack_texts(packed: object) -> tuple[LaidText, ...]:
     """The texts of such a line, or of the list that it holds.
 
     Raises

@@ -11,7 +11,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 __all__ = ["layer_pictures"]
 
 _FLAT = 0.05  # thickness over length of what is seen from above
-_ROOM = 0.04  # of the picture, around the object
+_MARGIN = 0.04  # of the picture, around the object
 
 
 def layer_pictures(surface: PaintedSurface, size: int) -> list[NDArray[np.uint8]]:
@@ -37,18 +37,18 @@ def layer_pictures(surface: PaintedSurface, size: int) -> list[NDArray[np.uint8]
     low, high = base.min(axis=0), base.max(axis=0)
     extent = (high - low).astype(np.float64)
     down = 1 if extent[2] < _FLAT * extent.max() else 2  # which axis goes up in the picture
-    scale = (1.0 - 2.0 * _ROOM) * size / max(extent[0], extent[down], 1e-9)
-    for place, picture in enumerate(pictures):
-        ids, codes = stack.colours_alone(glaze, place)
+    scale = (1.0 - 2.0 * _MARGIN) * size / max(extent[0], extent[down], 1e-9)
+    for k, picture in enumerate(pictures):
+        ids, codes = stack.colours_alone(glaze, k)
         if len(ids):
             off = vertices[ids].astype(np.float64) - 0.5 * (low + high)
             column = np.clip(0.5 * size + scale * off[:, 0], 0, size - 1).astype(np.int64)
             row = np.clip(0.5 * size - scale * off[:, down], 0, size - 1).astype(np.int64)
-            _fill(picture, row * size + column, codes)
+            _fill_pixels(picture, row * size + column, codes)
     return pictures
 
 
-def _fill(picture: NDArray[np.uint8], at: AnyArray, codes: AnyArray) -> None:
+def _fill_pixels(picture: NDArray[np.uint8], at: AnyArray, codes: AnyArray) -> None:
     """Give pixels (N,) the mean of the colours (N, 3) that fall on each."""
     size = picture.shape[0] * picture.shape[1]
     count = np.bincount(at, minlength=size)

@@ -9,24 +9,24 @@ from paint3d.surface.layer_stack import Layer, group_span
 __all__ = ["group_step", "layer_step"]
 
 
-def layer_step(layers: Sequence[Layer], place: int, by: int) -> tuple[int, int] | None:
-    """What a layer's step by 1 or -1 asks `Document.move_layer` for: to, and within.
+def layer_step(layers: Sequence[Layer], index: int, by: int) -> tuple[int, int] | None:
+    """Arguments of `Document.move_layer` for a layer's step by 1 or -1: to, and within.
 
     Before a group it goes into it, and at the end of its own it goes out of it, each by a step
     of its own. None where there is no way to go.
     """
-    own, beside = layers[place].group, place + by
+    own, beside = layers[index].group, index + by
     if not 0 <= beside < len(layers):
-        return None if own is None else (place, -1)
+        return None if own is None else (index, -1)
     other = layers[beside].group
     if own is not None:
-        return (beside, place) if other == own else (place, -1)
-    return (beside, -1) if other is None else (place, beside)
+        return (beside, index) if other == own else (index, -1)
+    return (beside, -1) if other is None else (index, beside)
 
 
-def group_step(layers: Sequence[Layer], place: int, by: int) -> int | None:
-    """Where a group's step by 1 or -1 puts its lowest layer: beyond a layer, or another group."""
-    first, last = group_span(layers, place)
+def group_step(layers: Sequence[Layer], index: int, by: int) -> int | None:
+    """Index of a group's lowest layer after a step by 1 or -1: past a layer or a group."""
+    first, last = group_span(layers, index)
     beside = last + 1 if by > 0 else first - 1
     if not 0 <= beside < len(layers):
         return None

@@ -105,13 +105,13 @@ class Mask:
 
     @property
     def is_open(self) -> bool:
-        """Whether paint is taken everywhere."""
+        """True if paint is taken everywhere."""
         return self.angle is None and not self.regions
 
 
-def nearest_vertex(mesh: PaintMesh, place: AnyArray) -> int:
-    """The vertex nearest to a place (3,), mm."""
-    away = mesh.vertices - place.astype(np.float32)
+def nearest_vertex(mesh: PaintMesh, point: AnyArray) -> int:
+    """The vertex nearest to a point (3,), mm."""
+    away = mesh.vertices - point.astype(np.float32)
     return int(np.argmin(np.einsum("ij,ij->i", away, away)))
 
 
@@ -123,13 +123,13 @@ def face_at(mesh: PaintMesh, vertex_id: int) -> int:
     InputError
         If there is no such vertex, or no face has it.
     """
-    found = np.flatnonzero((mesh.leaf_faces() == vertex_id).any(axis=1))
-    if not len(found):
+    faces = np.flatnonzero((mesh.leaf_faces() == vertex_id).any(axis=1))
+    if not len(faces):
         raise InputError(
             "vertex {vertex_id} belongs to no face; expected one that does",
             vertex_id=vertex_id,
         )
-    return int(mesh.leaf_roots()[found[0]])
+    return int(mesh.leaf_roots()[faces[0]])
 
 
 def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
@@ -162,8 +162,8 @@ def region_faces(mesh: PaintMesh, pick: RegionPick) -> NDArray[np.bool_]:
 def _find_neighbours(mesh: PaintMesh) -> tuple[AnyArray, AnyArray]:
     """Pairs of faces that share an edge, wherever its vertices are split by normals."""
     points = mesh.vertices[: mesh.n_base_vertices]
-    _, place = np.unique(points, axis=0, return_inverse=True)
-    corners = place.reshape(-1)[mesh.base_faces]
+    _, position = np.unique(points, axis=0, return_inverse=True)
+    corners = position.reshape(-1)[mesh.base_faces]
     edges = np.sort(corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
     owner = np.repeat(np.arange(len(corners)), 3)
     order = np.lexsort(edges.T)
@@ -218,22 +218,19 @@ class Stencil:
             allowed = self._faces[fields.node_root[fresh]]
             self._open[fields.node_vertices[fresh][allowed]] = True
         self._leans = np.pad(self._leans, (0, n - known), constant_values=True)
-        if self._mask.angle is not None:
-            self._update_leans(self._mask.angle, known, n)
+        angle = self._mask.angle
+        if angle is not None:
+            towards = np.asarray(angle.direction, np.float64)
+            towards /= np.linalg.norm(towards)
+            height = sum(
+                getattr(fields, name)[known:n] * part
+                for name, part in zip(("nx", "ny", "nz"), towards, strict=True)
+            )
+            self._leans[known:n] = height >= math.cos(math.radians(angle.degrees)) - 1e-6
         self._known = n, nodes
 
-    def _update_leans(self, angle: AngleMask, first: int, last: int) -> None:
-        fields = self._surface.paint_mesh.arrays
-        towards = np.asarray(angle.direction, np.float64)
-        towards /= np.linalg.norm(towards)
-        height = sum(
-            getattr(fields, name)[first:last] * part
-            for name, part in zip(("nx", "ny", "nz"), towards, strict=True)
-        )
-        self._leans[first:last] = height >= math.cos(math.radians(angle.degrees)) - 1e-6
-
     def wipe(self, before: Callable[[AnyArray], tuple[AnyArray, AnyArray]]) -> AnyArray:
-        """Give masked vertices back what they had, and the brush what fell on them.
+        """Restore masked vertices, and return to the brush what fell on them.
 
         Parameters
         ----------
@@ -247,7 +244,7 @@ class Stencil:
             coats x mm2.
         """
         ink = self._surface.ink
-        ids = self._touched_masked()
+        ids = self._find_touched()
         if not len(ids):
             return np.zeros(len(ink.load))
         amounts, coverage = before(ids)
@@ -258,8 +255,8 @@ class Stencil:
         ink.amounts[ids], ink.coverage[ids] = amounts, coverage
         return give_back(self._surface, ids[moved], came[moved])
 
-    def _touched_masked(self) -> AnyArray:
-        """Masked vertices among those that were touched since colours were asked for last."""
+    def _find_touched(self) -> AnyArray:
+        """Masked vertices among those that were touched since colours were refreshed last."""
         ink = self._surface.ink
         dirty, known = ink.dirty_ids[: int(ink.n_dirty[0])], self._looked
         if not np.array_equal(dirty[: len(known)], known):

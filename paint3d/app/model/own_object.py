@@ -1,4 +1,4 @@
-"""How an object of one's own is taken in: which way is up, how large it is, and of what it is."""
+"""Import of an object of one's own: its up, its unit, its material."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ _STEPS_A_MM = 20.0  # of a resolution that is proposed
 
 
 class ObjectChoice(NamedTuple):
-    """What was chosen.
+    """The choices made for an object.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ def longest_side(mesh: TriangleMesh) -> float:
 
 
 def is_implausible(size_mm: float) -> bool:
-    """Whether an object so long was probably measured in another unit."""
+    """Return whether an object so long was probably measured in another unit."""
     return not _SMALL_MM <= size_mm <= _LARGE_MM
 
 
@@ -78,7 +78,7 @@ def likely_unit(size: float) -> str:
 
 
 def sensible_resolution(area_mm2: float, wanted: float) -> float:
-    """How fine a surface can be, mm, so that it is ready in a moment; no finer than wanted."""
+    """Finest resolution, mm, at which a surface is ready in a moment; not below wanted."""
     least = math.sqrt(area_mm2 / _MOST_CELLS) / _EDGES_A_CELL
     return wanted if least <= wanted else math.ceil(_STEPS_A_MM * least) / _STEPS_A_MM
 
@@ -86,7 +86,7 @@ def sensible_resolution(area_mm2: float, wanted: float) -> float:
 def first_choice(
     reading: Reading, guess: Upright | None, material: str | Material, resolution: float
 ) -> ObjectChoice:
-    """What is proposed: up as it is known or guessed, the likeliest unit, a sensible fineness.
+    """Propose a choice: the known or guessed up, the likeliest unit, a sensible resolution.
 
     Parameters
     ----------

@@ -85,7 +85,7 @@ class Event:
 
 @dataclass(eq=False)
 class _Job:
-    """Samples, or a command and where its result goes; and when it came."""
+    """Samples, or a command and its future; and the time of arrival."""
 
     came: float
     samples: Sequence[DeviceSample] = ()
@@ -96,7 +96,7 @@ class _Job:
 
 
 class Pace:
-    """Measures how long a time step takes here, and says how many may pass at once."""
+    """Measures the cost of a time step here, and limits how many may pass at once."""
 
     def __init__(self) -> None:
         self._piece_s = 0.0
@@ -107,10 +107,10 @@ class Pace:
 
     def most(self, behind_s: float) -> int:
         """Steps that may pass at once when painting lags the hand by so many seconds."""
-        room_s = _MOST_BEHIND_S - behind_s
+        available_s = _MOST_BEHIND_S - behind_s
         if self._piece_s <= _KEEPS_UP * PIECE_S:
-            room_s = max(room_s, _MOST_WORK_S)
-        pieces = int(room_s / max(self._piece_s, _SHORTEST_S))
+            available_s = max(available_s, _MOST_WORK_S)
+        pieces = int(available_s / max(self._piece_s, _SHORTEST_S))
         return max(pieces, 1 if behind_s <= _BESIDE_S else 0)  # or ink would never run again
 
 
@@ -124,7 +124,7 @@ class PaintThread:
     wet : bool
         Let ink spread and dry in real time.
     recovery : RecoveryFolder, optional
-        Where what is painted is kept until it is saved; closed by `stop`.
+        Where what is painted is stored until it is saved; closed by `stop`.
     autosave_interval_s : float
         The least time between two bases of the recovery folder.
 
@@ -218,7 +218,7 @@ class PaintThread:
 
     @property
     def brush(self) -> BrushSpec:
-        """The brush in hand: the one that was asked for last, be it still to come."""
+        """The brush in hand after all commands that are queued."""
         try:
             return self._brushes[-1]
         except IndexError:
@@ -243,7 +243,7 @@ class PaintThread:
             self.newest = samples[-1]
 
     def leave_out_samples(self, began: Future[Any], ended: Future[Any] | None) -> None:
-        """Paint no more of the samples that were fed between two commands; commands stay.
+        """Drop the samples queued between two commands; commands stay.
 
         Parameters
         ----------
@@ -258,7 +258,7 @@ class PaintThread:
             if ended is not None and ended not in commands:
                 last = first  # they are painted
             fed = [job for job in waiting[first:last] if job.command in (None, _LIFT, _FOLLOW)]
-            self._leave_out(fed)
+            self._drop_jobs(fed)
             self._base_due = True  # the journal says that they were painted
 
     def hover(self, sample: DeviceSample) -> None:
@@ -278,14 +278,14 @@ class PaintThread:
         now = time.perf_counter_ns()
         with self._wake:
             self._seen_ns = (now if self._seen_ns is None else self._seen_ns[1], now)
-            if self._runs_by_the_clock:
-                until_ns = self._handed_over_ns() - self._saved_up_ns()
+            if self._is_ink_timed:
+                until_ns = self._delivered_ns() - self._batched_ink_ns()
                 if self.ink_clock.patience(until_ns) <= 0.0:
                     self._nudged = True
                     self._wake.notify()
 
     def take_frame(self) -> PaintingFrame | None:
-        """What changed since the last frame that was taken, or None; never waits."""
+        """Changes since the last frame that was taken, or None; never waits."""
         with self._wake:
             slot, self._slot = self._slot, None
             left = self._n_asked - (slot[1] if slot else 0)
@@ -293,7 +293,7 @@ class PaintThread:
         return replace(slot[0], queue_length=left) if slot else None
 
     def take_events(self) -> list[Event]:
-        """What went wrong since the last call, oldest first."""
+        """Events since the last call, oldest first."""
         events = []
         while self._events:
             events.append(self._events.popleft())
@@ -301,7 +301,7 @@ class PaintThread:
 
     @property
     def wet(self) -> bool:
-        """Whether ink spreads and dries in real time; from now on, as soon as it is set."""
+        """True if ink spreads and dries in real time; from now on, as soon as it is set."""
         return self._wet
 
     @wet.setter
@@ -339,12 +339,12 @@ class PaintThread:
 
     @property
     def is_behind(self) -> bool:
-        """Whether something that was asked for waits or is being done; time for the ink is none."""
+        """True if a batch or command waits or is being done; ink time does not count."""
         return self._n_asked > self._n_done
 
     @property
     def is_still(self) -> bool:
-        """Whether all that was asked for is done, shown, and the last frame taken."""
+        """True if the queue is empty, all is shown, and the last frame was taken."""
         with self._wake:
             return not (self._working or self._jobs or self._stale or self._slot is not None)
 
@@ -360,26 +360,26 @@ class PaintThread:
         """
         with self._wake:
             self._wanting += 1
-        held = self._busy.acquire(timeout=seconds)
-        if held:
+        is_held = self._busy.acquire(timeout=seconds)
+        if is_held:
             self._holder = threading.get_ident()
         try:
-            yield self._document if held else None
+            yield self._document if is_held else None
         finally:
-            if held:
+            if is_held:
                 self._holder = None
                 self._busy.release()
             with self._wake:
                 self._wanting -= 1
 
     def look(self, seconds: float) -> Document:
-        """The document after the step that is going on, or after so long: for who only looks on."""
+        """Document after the current step, or after `seconds`: only for reading."""
         with self.paused(seconds):
             return self._document
 
     @contextmanager
     def reporting(self, progress: Callable[[float], None]) -> Iterator[None]:
-        """Have the fraction of strokes that are painted again reported for what is posted within.
+        """Report progress, within, of strokes that posted commands paint again.
 
         What `progress` raises stops that, and everything is as it was.
         """
@@ -391,7 +391,7 @@ class PaintThread:
 
     @property
     def recovery(self) -> RecoveryFolder | None:
-        """Where what is painted is kept."""
+        """Recovery folder, if there is one."""
         return None if self._writer is None else self._writer.recovery
 
     def set_autosave_interval(self, seconds: float) -> None:
@@ -401,17 +401,17 @@ class PaintThread:
             self._wake.notify()
 
     def halt(self) -> None:
-        """Begin no other step until `go_on`; what is asked for meanwhile waits."""
+        """Begin no other step until `go_on`; the queue waits meanwhile."""
         with self._wake:
             self._halted = True
 
     def has_halted(self, seconds: float) -> bool:
-        """Whether the step that was going on when it was halted has ended, or does so in time."""
+        """Return whether the step that was going on when it was halted has ended in time."""
         with self._wake:
             return self._wake.wait_for(lambda: not self._working, seconds)
 
     def go_on(self) -> None:
-        """Do what was asked for, after `halt`."""
+        """Resume after `halt`."""
         with self._wake:
             self._halted = False
             self._wake.notify_all()
@@ -428,7 +428,7 @@ class PaintThread:
         """
         with self._wake:
             if not finish:
-                self._leave_out(list(self._jobs))
+                self._drop_jobs(list(self._jobs))
             self._stopping = True
             self._wake.notify_all()
         self._thread.join()
@@ -439,7 +439,7 @@ class PaintThread:
     # -- in the thread ----------------------------------------------------------------------
 
     def _check_access(self) -> None:
-        """Refuse to let the document be used by whoever does not have it."""
+        """Refuse use of the document by a thread that does not hold it."""
         own = threading.get_ident()
         if own not in (self._thread.ident, self._holder) and self._thread.is_alive():
             raise RuntimeError(
@@ -452,7 +452,7 @@ class PaintThread:
             raise RuntimeError("the painting thread was stopped")
 
     def _with_time(self, samples: Sequence[DeviceSample], all_time: bool) -> Iterator[_Job]:
-        """Samples that come now, and the time that passes between them; holds the lock."""
+        """Make jobs of samples that come now, and of the ink time between them; holds the lock."""
         now = time.perf_counter()
         behind = now - self._jobs[0].came if self._jobs else 0.0
         first = 0
@@ -479,8 +479,8 @@ class PaintThread:
         if self._writer is not None:
             self._writer.put(job)
 
-    def _leave_out(self, jobs: Sequence[_Job]) -> None:
-        """Do none of these jobs that wait; holds the lock."""
+    def _drop_jobs(self, jobs: Sequence[_Job]) -> None:
+        """Cancel these waiting jobs; holds the lock."""
         left = {id(job) for job in jobs}
         self._jobs = deque(job for job in self._jobs if id(job) not in left)
         self._n_asked -= sum(job.command != _FOLLOW for job in jobs)
@@ -513,9 +513,9 @@ class PaintThread:
         return asked or (self._stale and self._slot is None)
 
     def _longest_sleep(self) -> float | None:
-        """How long to sleep at most, s."""
-        if self._runs_by_the_clock:
-            patience = self.ink_clock.patience(self._handed_over_ns())
+        """Longest time to sleep, s; None for no limit."""
+        if self._is_ink_timed:
+            patience = self.ink_clock.patience(self._delivered_ns())
             if self._seen_ns is None or patience <= 0.0:
                 return patience  # else a heartbeat says that it is time
         if self._writer is None:
@@ -527,34 +527,34 @@ class PaintThread:
         )
 
     @property
-    def _runs_by_the_clock(self) -> bool:
-        """Whether time passes for the ink while nothing is heard."""
+    def _is_ink_timed(self) -> bool:
+        """True if ink time passes without samples."""
         return self._wet and not self._by_samples_alone
 
     def _work(self) -> None:
         with self._wake:
             job = self._jobs.popleft() if self._jobs else None
         if job is not None:
-            self._do(job)
+            self._run_job(job)
             if job.command != _FOLLOW:
                 self._n_done += 1
                 self.last_asked_s = time.monotonic()
         elif self._wet:
-            self._wait_for_the_hand()
+            self._advance_idle_ink()
         if self._slot is None and self._stale:
             self._run_guarded("showing", self._publish)
         if not self._jobs:
-            self._run_guarded("keeping", self._keep_base)
+            self._run_guarded("keeping", self._save_due_base)
             self._run_guarded("preparing", self._document.prepare_next_stroke)
 
-    def _do(self, job: _Job) -> None:
+    def _run_job(self, job: _Job) -> None:
         self._stale = True
         if job.command is None:
             try:
-                self._paint(job)
+                self._paint_chunk(job)
             except Exception as error:
                 self.report("painting", error)
-                self._keep_refusal(error)
+                self._note_refusal(error)
             return
         command, result = job.command, job.result
         assert result is not None, "a command has one"
@@ -563,7 +563,7 @@ class PaintThread:
             return
         before = time.perf_counter()
         try:
-            self._watch_steps(name)
+            self._note_steps_past_base(name)
             if isinstance(command, str):
                 done = getattr(self._document, name)(*job.arguments, **job.options)
             else:
@@ -578,13 +578,13 @@ class PaintThread:
             result.set_exception(stopped)
         except Exception as error:
             self.report(name, error)
-            self._keep_refusal(error)
+            self._note_refusal(error)
             result.set_exception(error)
         if name == _FOLLOW:
             self._pace.took(time.perf_counter() - before)
 
-    def _paint(self, job: _Job) -> None:
-        """Paint a chunk of a batch; what is left of it comes next."""
+    def _paint_chunk(self, job: _Job) -> None:
+        """Paint a chunk of a batch; queue the rest of it."""
         chunk, rest = job.samples[:_CHUNK], job.samples[_CHUNK:]
         if rest:
             with self._wake:
@@ -595,39 +595,39 @@ class PaintThread:
         self.n_painted += len(chunk)
         self._lag = time.perf_counter() - job.came
 
-    def _wait_for_the_hand(self) -> None:
-        """Let time pass for the ink while nothing is heard."""
+    def _advance_idle_ink(self) -> None:
+        """Advance the ink while the hand is silent."""
         is_dry = self._document.surface.flow_patience == math.inf
         with self._wake:
-            if self._jobs or self._stopping or not self._runs_by_the_clock:
+            if self._jobs or self._stopping or not self._is_ink_timed:
                 return
-            passed = self.ink_clock.wait(self._handed_over_ns(), self._pace.most(0.0))
+            passed = self.ink_clock.wait(self._delivered_ns(), self._pace.most(0.0))
             if passed and not is_dry:
                 self._enqueue(_ink_job(time.perf_counter()))
 
-    def _saved_up_ns(self) -> int:
-        """How much time for the ink waits before it passes, ns: waking for each step costs more."""
+    def _batched_ink_ns(self) -> int:
+        """Ink time that passes in one batch, ns: waking for each step costs more."""
         rested_s = time.monotonic() - self.last_asked_s
         if rested_s < _LIVELY_S:
             return 0
         most_s = PIECE_S * (self._pace.most(0.0) // 2)
         return round(1e9 * min(_PORTION * rested_s, _LARGEST_S, most_s))
 
-    def _handed_over_ns(self) -> int:
-        """Up to when the hand's events have been handed over, but for what is on its way."""
+    def _delivered_ns(self) -> int:
+        """Time up to which the hand's events have been delivered, except for those in transit."""
         return time.perf_counter_ns() if self._seen_ns is None else self._seen_ns[0]
 
     # -- keeping ----------------------------------------------------------------------------
 
-    def _keep_refusal(self, error: Exception) -> None:
-        """Write down that something could not be done: doing it again will not do it either."""
+    def _note_refusal(self, error: Exception) -> None:
+        """Note in the journal that a command was refused: replaying it will be refused, too."""
         if self._writer is not None and isinstance(error, Paint3DError):
             self._writer.note(refusal(error))
 
-    def _watch_steps(self, name: str) -> None:
-        """Notice before an undo or redo that it leads past the base, which must then follow.
+    def _note_steps_past_base(self, name: str) -> None:
+        """Note before an undo or redo whether it leads past the base, which must then follow.
 
-        Bases hold the steps themselves, as far as there is room.
+        Bases hold the steps themselves, as far as there is capacity.
         """
         if name in ("undo", "redo") and self._document.edits.has_any:
             self._base_due = True  # no base knows the way over an edit
@@ -638,7 +638,7 @@ class PaintThread:
         if name == "replay_history" or 0 < number <= self._base_step:
             self._base_due = True
 
-    def _keep_base(self) -> None:
+    def _save_due_base(self) -> None:
         """Save a new base where it is due and the hand rests; nothing is lost meanwhile."""
         if self._writer is None or self._document.in_stroke:
             return
@@ -702,7 +702,7 @@ def _set_progress(document: Document, progress: Callable[[float], None] | None) 
 
 
 def _ink_job(came: float) -> _Job:
-    """A piece of time for the ink."""
+    """A job that lets time pass for the ink."""
     return _make_job(came, _FOLLOW, PIECE_S)
 
 
@@ -714,7 +714,7 @@ _Item = _Job | Future[Any] | Mapping[str, object]  # for the journal writer
 
 
 class _JournalWriter:
-    """Writes what is asked for into the journal, in a thread, so that nobody waits for the disk.
+    """Writes samples and commands into the journal in a thread, so that nobody waits for the disk.
 
     Attributes
     ----------
@@ -739,24 +739,27 @@ class _JournalWriter:
         self._thread.start()
 
     def put(self, job: _Job) -> None:
-        """Write a job down, if it is one that changes the painting."""
-        if job.command is None or (isinstance(job.command, str) and _changes(job.command)):
+        """Write a job into the journal, if it is one that changes the painting."""
+        if job.command is None or (
+            isinstance(job.command, str)
+            and (job.command in COMMANDS and COMMANDS[job.command].codec is not None)
+        ):
             self.n_put += 1
             self._queue.put(job)
 
     def note(self, words: Mapping[str, object]) -> None:
-        """Write something down about what was put before; see `RecoveryFolder.note`."""
+        """Write a fact about the last job; see `RecoveryFolder.note`."""
         self._queue.put(words)
 
     def turn_page(self) -> Future[Any]:
-        """Start a new journal for what is put from now on."""
+        """Start a new journal for the jobs from now on."""
         turned: Future[Any] = Future()
         self.n_put = 0
         self._queue.put(turned)
         return turned
 
     def close(self, keep: bool) -> None:
-        """Write what waits, if it is to be kept, and close the recovery folder."""
+        """Write what waits, if wanted, and close the recovery folder."""
         self._leaving = not keep
         self._queue.put(None)
         self._thread.join()
@@ -764,7 +767,7 @@ class _JournalWriter:
 
     def _run(self) -> None:
         broken = False
-        while items := self._take():
+        while items := self._take_waiting():
             for turns, some in itertools.groupby(items, lambda item: isinstance(item, Future)):
                 if self._leaving:
                     continue
@@ -775,8 +778,8 @@ class _JournalWriter:
                     self.has_gap = True
                 broken = bool(errors)
 
-    def _take(self) -> list[_Item]:
-        """All that waits, or else what comes next; nothing at the end."""
+    def _take_waiting(self) -> list[_Item]:
+        """Take all that waits, or else wait for the next; empty at the end."""
         items = [self._queue.get()]
         while items[-1] is not None and not self._queue.empty():
             items.append(self._queue.get())
@@ -785,7 +788,7 @@ class _JournalWriter:
         return [item for item in items if item is not None]
 
     def _write_all(self, items: Iterable[_Item]) -> list[Exception]:
-        """Write items down, all with one call of the system; why some could not be."""
+        """Write items with one call of the system; return the errors of those that failed."""
         errors: list[Exception] = []
         try:
             with self.recovery.together():
@@ -826,8 +829,3 @@ class _JournalWriter:
             except Paint3DError:  # the document refuses it for the same reason
                 return
             self.recovery.note(line)
-
-
-def _changes(name: str) -> bool:
-    """Whether a command changes the painting."""
-    return name in COMMANDS and COMMANDS[name].codec is not None

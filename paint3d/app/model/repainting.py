@@ -1,6 +1,6 @@
 """Strokes painted again, for those that no undo step takes back.
 
-Files from before kept strokes and no steps, and a file has no room for the steps of very many. The
+Older files hold strokes and no steps, and a file has no capacity for the steps of very many. The
 strokes are painted again on layers of their own; that these make way for the painting as it is
 belongs to the last one's step. So undo leads from the painting to what was painted again, stroke by
 stroke to the bare object, and redo back to the painting to the bit.
@@ -9,6 +9,7 @@ stroke to the bare object, and redo back to the painting to the bit.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import partial
 
 from paint3d.app.model.stroke_log import ERASES, Stroke, ink_of, weights_of
 from paint3d.painter.painter import Ink, Painter
@@ -50,11 +51,20 @@ class Repainter:
 
     def repeat(self, strokes: Sequence[Stroke]) -> None:
         """Paint strokes on the layers of their names, each a step."""
-        painter = self._painter
+        stack, painter = self._painter.surface.use_layers(), self._painter
         total, before = sum(len(stroke.samples) for stroke in strokes), 0
         for stroke in strokes:
             self._undo.begin(stroke)
-            self._make_ready(stroke)
+            names = [layer.name for layer in stack.layers]
+            if stroke.layer not in names:
+                self._undo.change(stack.state, partial(stack.add, stroke.layer, len(names)))
+            elif names.index(stroke.layer) != stack.active:
+                self._undo.change(stack.state, partial(stack.activate, names.index(stroke.layer)))
+            if stroke.brush != painter.brush:
+                painter.change_brush(stroke.brush)
+                painter.dip(ink_of(stroke, painter.surface), amount=stroke.amount)
+            elif stroke.dipped_since_stroke:
+                painter.dip(ink_of(stroke, painter.surface), amount=stroke.amount)
             samples = stroke.samples
             eraser = Eraser(painter.surface) if stroke.tags.get(ERASES) else None
             try:
@@ -72,23 +82,9 @@ class Repainter:
                 painter.loaded -= eraser.wipe()
             before += len(samples)
 
-    def _make_ready(self, stroke: Stroke) -> None:
-        """Take the layer, the brush and the ink of a stroke."""
-        stack, painter = self._painter.surface.use_layers(), self._painter
-        names = [layer.name for layer in stack.layers]
-        if stroke.layer not in names:
-            self._undo.change(stack.state, lambda: stack.add(stroke.layer, len(names)))
-        elif names.index(stroke.layer) != stack.active:
-            self._undo.change(stack.state, lambda: stack.activate(names.index(stroke.layer)))
-        if stroke.brush != painter.brush:
-            painter.change_brush(stroke.brush)
-            painter.dip(ink_of(stroke, painter.surface), amount=stroke.amount)
-        elif stroke.dipped_since_stroke:
-            painter.dip(ink_of(stroke, painter.surface), amount=stroke.amount)
-
 
 def dips_of(painter: Painter) -> Sequence[_Dip]:
-    """What the brush came to its ink by: the belly's dip, and then the tip's."""
+    """Dips that the brush has its ink from: the belly's, and then the tip's."""
     return painter.dips or ((painter.dipped, None),)
 
 

@@ -12,8 +12,7 @@ from numpy.typing import ArrayLike
 
 from paint3d.app.model.commands import COMMANDS
 from paint3d.app.model.mask import Stencil
-from paint3d.calligraphy.seal.impression import Pressing, find_impression
-from paint3d.calligraphy.seal.paste import lay_paste
+from paint3d.calligraphy.seal.impression import Pressing, find_impression, lay_paste
 from paint3d.colour.ink_text import table_of
 from paint3d.colour.pigments import load_pigment
 from paint3d.core.arrays import AnyArray, as_array, as_number
@@ -87,27 +86,27 @@ class SealPress:
         surface = self._painter.surface
         at, up = as_array(at, "at", (3,)), as_array(up, "up", (3,))
         closest = surface.closest_points
-        left = find_impression(surface, closest, frame_at(closest, at, up), *seal)
+        impression = find_impression(surface, closest, frame_at(closest, at, up), *seal)
         if stencil is not None:
-            free = ~stencil.covers(left.vertex_ids)
-            left = replace(
-                left,
-                vertex_ids=left.vertex_ids[free],
-                coats=left.coats[free],
-                share=left.share[free],
+            free = ~stencil.covers(impression.vertex_ids)
+            impression = replace(
+                impression,
+                vertex_ids=impression.vertex_ids[free],
+                coats=impression.coats[free],
+                coverage=impression.coverage[free],
             )
-        parts = _parts(surface, ink)
+        parts = _paste_parts(surface, ink)
         self._undo.begin(COMMANDS["press_seal"].undo_label)
-        self._painter.loaded += lay_paste(surface, left, parts)
-        if left.touched < _PALE:
+        self._painter.loaded += lay_paste(surface, impression, parts)
+        if impression.touched < _PALE:
             _LOG.warning(
                 "the seal touches %.0f %% of what it is to print: the surface falls away from it",
-                100.0 * left.touched,
+                100.0 * impression.touched,
             )
-        return left.touched
+        return impression.touched
 
 
-def _parts(surface: PaintedSurface, ink: Ink) -> AnyArray:
+def _paste_parts(surface: PaintedSurface, ink: Ink) -> AnyArray:
     """(P,) float32 parts of the surface's pigments, of sum 1."""
     stirred: Mapping[Any, float] = ink if isinstance(ink, Mapping) else {ink: 1.0}
     if not stirred:

@@ -27,7 +27,7 @@ __all__ = [
     "ERASES",
     "Stroke",
     "StrokeLog",
-    "checked_pairs",
+    "check_pairs",
     "names_apart",
     "parts_of",
     "recording_of",
@@ -44,7 +44,7 @@ _LANDING_NS = 1_000_000
 
 @dataclass(eq=False)
 class Stroke:
-    """One stroke.
+    """A stroke.
 
     Attributes
     ----------
@@ -63,7 +63,7 @@ class Stroke:
     tags : dict
         What else is known, as JSON holds it: character, participant, device set ...
     loads : tuple of (int, float)
-        How much the brush came to hold at samples, shares of a dip, where that was given.
+        How much the brush came to hold at samples, fractions of a dip, where that was given.
     strengths : tuple of (int, float)
         What fraction of the ink it was then, the rest being water, where that was given.
     """
@@ -87,7 +87,7 @@ class Stroke:
         return (self.samples[-1].time_ns - self.samples[0].time_ns) * 1e-9
 
     def header(self, brush: str = "") -> dict[str, object]:
-        """What a recording's header says of it; its brush by that name, or by its own."""
+        """Header of the stroke's recording; its brush by that name, or by its own."""
         own: dict[str, object] = {}
         if self.amount != DipAmount():
             own["dip"] = self.amount.words()
@@ -155,7 +155,7 @@ class StrokeLog:
         return len(self._before)
 
     def hold(self, count: int) -> None:
-        """From now on the last so many strokes are steps that can be taken back."""
+        """Count the last `count` strokes as steps that can be taken back, from now on."""
         self._before = self.strokes[: len(self.strokes) - count]
 
     def begin(
@@ -213,7 +213,7 @@ class StrokeLog:
         self.current = None
 
     def follow(self, strokes: Sequence[Stroke]) -> None:
-        """Have these strokes besides those before, after undo or redo."""
+        """Replace the strokes after those of earlier sessions, after undo or redo."""
         self.strokes = [*self._before, *strokes]
 
     def recording(self, object_name: str, first: int = 0) -> Recording | None:
@@ -237,10 +237,10 @@ class StrokeLog:
         return recording_of(samples, {**strokes[0].header(), **changes, "object": object_name})
 
 
-def checked_pairs(
+def check_pairs(
     name: str, changes: Sequence[tuple[int, float]], least: float = 0.0
 ) -> tuple[tuple[int, float], ...]:
-    """Pairs of a stroke's samples and shares, shares from `least` to 1.
+    """Pairs of a stroke's samples and fractions, the fractions from `least` to 1.
 
     Raises
     ------
@@ -289,7 +289,7 @@ def _complete_samples(stroke: Stroke) -> list[DeviceSample]:
 
 
 def _time_shift(end_ns: int, begin_ns: int, shift: int) -> int:
-    """What is added to a stroke's times, ns: as to those before it, if then it begins after them.
+    """Offset for a stroke's times, ns: as of those before it, if it begins after them then.
 
     Else its clock is another one. It is moved by whole pieces of the ink's time, so that these end
     in it where they did.
@@ -330,10 +330,10 @@ def strokes_of(recordings: Sequence[Recording], brushes: object = None) -> list[
         If a header is not that of a stroke.
     """
     known = brushes if isinstance(brushes, Mapping) else {}
-    return [_stroke_of(recording, known) for recording in recordings]
+    return [_read_stroke(recording, known) for recording in recordings]
 
 
-def _stroke_of(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -> Stroke:
+def _read_stroke(recording: Recording, brushes: Mapping[str, Mapping[str, Any]]) -> Stroke:
     """A stroke that was saved.
 
     Raises
@@ -378,7 +378,7 @@ def weights_of(ink: str | Pigment | Mapping[Any, float]) -> dict[str, float]:
 
 
 def ink_of(stroke: Stroke, surface: PaintedSurface) -> dict[str | Pigment, float]:
-    """A stroke's ink, with the surface's own pigments in the place of their names."""
+    """A stroke's ink, with the surface's own pigments in place of their names."""
     known = {pigment.name: pigment for pigment in surface.pigments}
     return {known.get(name, name): part for name, part in stroke.ink.items()}
 

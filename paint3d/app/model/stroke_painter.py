@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.app.model.input.symmetry import Symmetry, transformed
+from paint3d.app.model.input.symmetry import Symmetry, transform_samples
 from paint3d.app.model.mask import Mask, Stencil
 from paint3d.core.arrays import AnyArray
 from paint3d.device.sample import DeviceSample
@@ -39,9 +39,9 @@ class ImagePainter:
         self._image = image
         hairs = 0 if painter.hairs is None else painter.hairs.spec
         self._twin = Painter(self._surface, painter.brush, None, painter.azimuth, hairs=hairs)
-        kept = painter.keep()
-        del kept["hairs"]  # the twin has its own, in which the same is
-        self._twin.restore({**kept, "loaded": 0.0})
+        state = painter.keep()
+        del state["hairs"]  # the twin has its own, in which the same is
+        self._twin.restore({**state, "loaded": 0.0})
         ink = self._surface.ink
         self._held = ink.load.copy(), ink.reservoirs.copy()
         painter.loaded += painter.in_brush()
@@ -56,7 +56,7 @@ class ImagePainter:
         self, samples: Sequence[DeviceSample], then: Callable[[], None] = lambda: None
     ) -> None:
         """Paint the image of what the hand did, and do something while this brush is in hand."""
-        moved = transformed(samples, self._image)
+        moved = transform_samples(samples, self._image)
         with self._exchange_ink():
             self._twin.advance(moved)
             then()
@@ -76,7 +76,7 @@ class ImagePainter:
 
     @contextmanager
     def _exchange_ink(self) -> Iterator[None]:
-        """Within, this brush's ink is there instead of the hand's."""
+        """Use this brush's ink instead of the hand's, within."""
         surface = self._surface
         own = surface.ink.load.copy(), surface.ink.reservoirs
         self._put_ink(*self._held)
@@ -89,7 +89,7 @@ class ImagePainter:
             self._painter.loaded += self._twin.loaded - loaded  # it may have been dipped
 
     def _pad_ink(self, load: AnyArray, reservoirs: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """Ink of a brush with columns for all pigments that are known by now."""
+        """Ink of a brush padded with columns for pigments added since."""
         missing = len(self._surface.pigments) - len(load)
         return np.pad(load, (0, missing)), np.pad(reservoirs, ((0, 0), (0, missing)))
 
@@ -100,7 +100,7 @@ class ImagePainter:
 
 
 class StrokePainter:
-    """Paints a stroke and its images, and wipes off what the mask keeps free.
+    """Paints a stroke and its images, and wipes off what falls on the mask.
 
     Parameters
     ----------
@@ -143,7 +143,7 @@ class StrokePainter:
         *,
         erase: bool = False,
     ) -> None:
-        """Begin a stroke, of which it is known what it holds, or one that erases.
+        """Begin a stroke with the brush's ink known, or one that erases.
 
         See `Painter.expect` and `Eraser`.
         """

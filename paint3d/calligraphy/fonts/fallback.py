@@ -60,7 +60,7 @@ _LEAST_GROWTH, _MOST_GROWTH = -0.25, 0.5  # of the width of a font's strokes, on
 
 @dataclass(frozen=True, eq=False)
 class FittedFont:
-    """A font whose characters are made as large and as bold as those of a source.
+    """A font scaled and emboldened to match a source's characters.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class FittedFont:
 
     @classmethod
     def beside(cls, source: GlyphSource, font: FontFile) -> FittedFont:
-        """Fit a font to a source by common characters that both have; without any as it is."""
+        """Fit a font to a source by characters that both have; unscaled if there are none."""
         pairs = [
             (_measure_ink(_ink_of(source.load(one))), _measure_ink(_ink(font, one)))
             for one in _REFERENCE
@@ -168,7 +168,7 @@ class FallbackGlyphs:
 
 
 def with_fallback(source: GlyphSource, text: str, *, marks: bool = False) -> GlyphSource:
-    """A source that has all characters of a text: the same one, or one with fonts of the system.
+    """Add fonts of the system to a source for the characters that it lacks.
 
     A font stands in for missing letters that stand in squares, such as Chinese characters, and with
     `marks` for all else, as it stands in rows: one font for all, or where none has all of them, for
@@ -194,8 +194,8 @@ def with_fallback(source: GlyphSource, text: str, *, marks: bool = False) -> Gly
             names=names_of(missing),
             cause=cause,
         ) from None
-    found = _fonts_for([one for one in missing if marks or is_square_letter(one)])
-    lacking = [one for one in missing if one not in found]
+    fonts = _fonts_for([one for one in missing if marks or is_square_letter(one)])
+    lacking = [one for one in missing if one not in fonts]
     if lacking and (whole := _best_font(text)) is not None:
         raise GlyphError(
             "{font} has no glyph for {names}, which fonts have, but set in lines, not in squares: "
@@ -217,9 +217,9 @@ def with_fallback(source: GlyphSource, text: str, *, marks: bool = False) -> Gly
         )
     fitted = {
         font: _fit_by_common(source, font)  # type: ignore[arg-type]  # sources are frozen
-        for font in dict.fromkeys(found.values())
+        for font in dict.fromkeys(fonts.values())
     }
-    result = FallbackGlyphs(source, {one: fitted[font] for one, font in found.items()})
+    result = FallbackGlyphs(source, {one: fitted[font] for one, font in fonts.items()})
     taken = "; ".join(f"{text} is taken from {font}" for font, text in result.characters.items())
     _LOG.warning("%s lacks characters: %s", source.name, taken)
     return result
@@ -271,13 +271,13 @@ def set_whole(
     font = _best_font(text)
     if font is None:
         return None
-    found = set_text(text, open_font(font.path, font.number), Style(), source, order)
+    whole = set_text(text, open_font(font.path, font.number), Style(), source, order)
     _LOG.warning("%.40s is written in the font %s", " ".join(text.split()), font.family)
-    return found
+    return whole
 
 
 def _fonts_for(characters: Sequence[str]) -> dict[str, SystemFont]:
-    """One font for all characters, or one for each that any font has."""
+    """Choose a font for all characters, or one for each that any font has."""
     if not characters:
         return {}
     whole = _best_font("".join(characters))
@@ -286,7 +286,7 @@ def _fonts_for(characters: Sequence[str]) -> dict[str, SystemFont]:
 
 
 def _best_font(text: str) -> SystemFont | None:
-    """The font that comes first of those that have ink for all characters of a text.
+    """The preferred font among those that have ink for all characters of a text.
 
     Of a text of words that is one without Chinese characters, where there is one, and of a hand
     rather than of print.
@@ -332,9 +332,9 @@ def _ink_of(glyph: Glyph) -> Geometry:
 
 
 def _measure_ink(ink: Geometry) -> tuple[float, float, float, float, float]:
-    """Middle (x, y) of ink, size from line to line, mean width of strokes, length of its edge.
+    """Middle (x, y) of ink, size between centre lines, mean stroke width, and perimeter.
 
-    The edge is counted in sizes.
+    The perimeter is in sizes.
     """
     left, lower, right, upper = ink.bounds
     width = 2.0 * ink.area / ink.length

@@ -1,4 +1,4 @@
-"""Font files: what they are called, whose they are, and the outlines of their glyphs."""
+"""Font files: their names, licences, and the outlines of their glyphs."""
 
 from __future__ import annotations
 
@@ -33,7 +33,6 @@ __all__ = [
     "fonts_with",
     "is_handwriting",
     "list_fonts",
-    "match_font",
     "open_font",
 ]
 
@@ -88,7 +87,7 @@ def fonts_with(text: str) -> list[SystemFont]:
         return []
 
 
-def match_font(name: str, number: int = 0) -> tuple[Path, int]:
+def _match_font(name: str, number: int = 0) -> tuple[Path, int]:
     """The file of a font that the system knows by a name, and its face's number.
 
     Raises
@@ -96,9 +95,12 @@ def match_font(name: str, number: int = 0) -> tuple[Path, int]:
     InputError
         If there is none; the message names some that there are.
     """
-    for font in _parse_all(name):
+    matches = _ask_fonts("fc-match", name)
+    exact = [font for font in list_fonts() if f"{font.family} {font.style}" == name]
+    wanted = name.split(":")[0].split("-")[0].strip()  # the family of a pattern: DejaVu Sans:bold
+    for font in exact or matches:
         names = {font.family.casefold(), f"{font.family} {font.style}".casefold()}
-        if _family_of(name).casefold() in names or name.casefold() in names:
+        if wanted.casefold() in names or name.casefold() in names:
             return font.path, number or font.number
     families = list(dict.fromkeys(font.family for font in list_fonts()))
     near = [family for family in families if name.split()[0].casefold() in family.casefold()]
@@ -112,17 +114,6 @@ def match_font(name: str, number: int = 0) -> tuple[Path, int]:
         names=", ".join((near or families)[:6]),
         hint="paint3d fonts lists all",
     )
-
-
-def _parse_all(name: str) -> list[SystemFont]:
-    found = _ask_fonts("fc-match", name)
-    whole = [font for font in list_fonts() if f"{font.family} {font.style}" == name]
-    return whole or found
-
-
-def _family_of(pattern: str) -> str:
-    """The family of a fontconfig pattern such as ``DejaVu Sans:bold``."""
-    return pattern.split(":")[0].split("-")[0].strip()
 
 
 def _ask_fonts(command: str, pattern: str) -> list[SystemFont]:
@@ -208,8 +199,8 @@ class FontFile:
     @cached_property
     def extents(self) -> tuple[float, float, float]:
         """Ascender, descender (negative) and gap between lines, glyph units."""
-        found = self.font.get_font_extents("ltr")
-        values = (found.ascender, found.descender, found.line_gap)
+        extents = self.font.get_font_extents("ltr")
+        values = (extents.ascender, extents.descender, extents.line_gap)
         ascender, descender, gap = (self.scale * float(value) for value in values)
         return ascender, descender, gap
 
@@ -351,10 +342,12 @@ def open_font(
     if not path.exists():
         if path.suffix.lower() in _SUFFIXES:
             raise InputError("{file}: no such file; expected a font", file=path)
-        path, number = match_font(str(name), number)
+        path, number = _match_font(str(name), number)
     hb = import_optional("uharfbuzz")
     face = hb.Face(hb.Blob(_font_data(path)), number)
-    n_faces = max(1, _n_faces(path))
+    with path.open("rb") as file:
+        head = file.read(12)
+    n_faces = max(1, int.from_bytes(head[8:12], "big")) if head[:4] == b"ttcf" else 1
     if not 0 <= number < n_faces:
         raise InputError(
             "{file}: no face {number}; expected one of the {n_faces} that it has",
@@ -427,12 +420,6 @@ def _unpack_web_font(path: Path, data: bytes) -> bytes:
     return out.getvalue()
 
 
-def _n_faces(path: Path) -> int:
-    with path.open("rb") as file:
-        head = file.read(12)
-    return int.from_bytes(head[8:12], "big") if head[:4] == b"ttcf" else 1
-
-
 def _check_is_drawn(path: Path, face: Any) -> None:
     """Refuse fonts of pictures: paint3d paints outlines."""
     if face.has_color_layers or face.has_color_paint or face.has_color_svg:
@@ -452,7 +439,7 @@ def _check_is_drawn(path: Path, face: Any) -> None:
 
 
 def _has_any(face: Any, tags: tuple[str, ...]) -> bool:
-    """Return whether a font has one of these tables; a damaged one may have some without a name."""
+    """Return whether a font has one of these tables; a damaged font may have unnamed ones."""
     return any(face.reference_table(tag).data for tag in tags)
 
 

@@ -74,9 +74,9 @@ class MixedText:
     def __post_init__(self) -> None:
         self.font.check_has("".join(one for one in self.text if not _is_square(one)))
 
-    def compose(self, room: float) -> Page:
-        """The page with rows no longer than `room`, glyph units, where they can be broken."""
-        key = tuple(self._rows(room))
+    def compose(self, length: float) -> Page:
+        """The page with rows no longer than `length`, glyph units, where they can be broken."""
+        key = tuple(self._rows(length))
         if key not in self._pages:
             pieces = [piece for k, row in enumerate(key) for piece in self._set_row(k, row)]
             licence = f"{self.source.licence}. {self.font.licence}"
@@ -84,16 +84,16 @@ class MixedText:
             self._pages[key] = Page(tuple(pieces), name, licence)
         return self._pages[key]
 
-    def least_size(self, room: float) -> tuple[float, float]:
+    def least_size(self, length: float) -> tuple[float, float]:
         """Least length and height of the page, by advances alone."""
-        longest = max(map(sum, self._advances)) if math.isinf(room) else 0.0
-        return longest, _PITCH * (len(self._rows(room)) - 1)
+        longest = max(map(sum, self._advances)) if math.isinf(length) else 0.0
+        return longest, _PITCH * (len(self._rows(length)) - 1)
 
-    def _rows(self, room: float) -> list[str]:
-        if math.isinf(room):
+    def _rows(self, length: float) -> list[str]:
+        if math.isinf(length):
             return self._paragraphs
         parts = zip(self._paragraphs, self._advances, strict=True)
-        return [row for part, advances in parts for row in break_line(part, advances, room)]
+        return [row for part, advances in parts for row in break_line(part, advances, length)]
 
     @cached_property
     def _paragraphs(self) -> list[str]:
@@ -103,7 +103,7 @@ class MixedText:
     @cached_property
     def _advances(self) -> list[list[float]]:
         """Of every character of every paragraph."""
-        found = []
+        all_advances = []
         for part in self._paragraphs:
             advances: list[float] = []
             for run, level in _runs_of(part):
@@ -113,8 +113,8 @@ class MixedText:
                     advances.append(EM_UNITS)
                 else:
                     advances += Shaper(self.font, _style_at(level)).advances(run)
-            found.append(advances)
-        return found
+            all_advances.append(advances)
+        return all_advances
 
     def _set_row(self, number: int, row: str) -> list[Piece]:
         runs = _runs_of(row)

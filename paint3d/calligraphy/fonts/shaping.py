@@ -1,4 +1,4 @@
-"""From a line of text to glyphs and their places: runs of one script and direction, by HarfBuzz."""
+"""From a line of text to positioned glyphs: runs of one script and direction, by HarfBuzz."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ def levels_of(text: str, base: int) -> list[int]:
     """The level of every character of a line: even from left to right, odd from right to left."""
     kinds = [unicodedata.bidirectional(c) or "L" for c in text]
     kinds = ["BN" if kind in _PASSED_OVER else kind for kind in kinds]
-    kept = [k for k, kind in enumerate(kinds) if kind != "BN"]
+    retained = [k for k, kind in enumerate(kinds) if kind != "BN"]
     side = "RL"[base == 0]
-    found = _resolve_neutral(_resolve_weak([kinds[k] for k in kept], side), side)
+    resolved = _resolve_neutral(_resolve_weak([kinds[k] for k in retained], side), side)
     levels = [base] * len(text)
-    for k, kind in zip(kept, found, strict=True):
+    for k, kind in zip(retained, resolved, strict=True):
         if kind == "R":
             levels[k] = base | 1
         elif kind in ("EN", "AN"):  # numbers run to the right, within what runs to the left
@@ -65,56 +65,57 @@ def levels_of(text: str, base: int) -> list[int]:
 
 
 def _resolve_weak(kinds: Sequence[str], side: str) -> list[str]:
-    """Numbers, their separators and marks as letters or neutral ones (rules W1 to W7)."""
-    found = list(kinds)
-    for k, kind in enumerate(found):
+    """Resolve numbers, their separators and marks (rules W1 to W7)."""
+    resolved = list(kinds)
+    for k, kind in enumerate(resolved):
         if kind == "NSM":
-            found[k] = found[k - 1] if k else side
+            resolved[k] = resolved[k - 1] if k else side
     strong = side
-    for k, kind in enumerate(found):
+    for k, kind in enumerate(resolved):
         if kind in _STRONG:
             strong = kind
         elif kind == "EN" and strong == "AL":
-            found[k] = "AN"
-    found = ["R" if kind == "AL" else kind for kind in found]
-    for k in range(1, len(found) - 1):
-        before, after = found[k - 1], found[k + 1]
+            resolved[k] = "AN"
+    resolved = ["R" if kind == "AL" else kind for kind in resolved]
+    for k in range(1, len(resolved) - 1):
+        before, after = resolved[k - 1], resolved[k + 1]
         if before == after and (
-            (found[k] == "ES" and before == "EN") or (found[k] == "CS" and before in ("EN", "AN"))
+            (resolved[k] == "ES" and before == "EN")
+            or (resolved[k] == "CS" and before in ("EN", "AN"))
         ):
-            found[k] = before
-    for order in (range(len(found)), reversed(range(len(found)))):
+            resolved[k] = before
+    for order in (range(len(resolved)), reversed(range(len(resolved)))):
         beside = ""
         for k in order:
-            if found[k] == "ET" and beside == "EN":
-                found[k] = "EN"
-            beside = found[k]
-    found = ["ON" if kind in ("ES", "ET", "CS") else kind for kind in found]
+            if resolved[k] == "ET" and beside == "EN":
+                resolved[k] = "EN"
+            beside = resolved[k]
+    resolved = ["ON" if kind in ("ES", "ET", "CS") else kind for kind in resolved]
     strong = side
-    for k, kind in enumerate(found):
+    for k, kind in enumerate(resolved):
         if kind in ("L", "R"):
             strong = kind
         elif kind == "EN" and strong == "L":
-            found[k] = "L"
-    return found
+            resolved[k] = "L"
+    return resolved
 
 
 def _resolve_neutral(kinds: Sequence[str], side: str) -> list[str]:
-    """Neutral ones as what stands on both of their sides, or as the line (rules N1 and N2)."""
-    found = list(kinds)
+    """Resolve neutral characters by both neighbours, or by the line (rules N1 and N2)."""
+    resolved = list(kinds)
     k = 0
-    while k < len(found):
-        if found[k] not in _NEUTRAL:
+    while k < len(resolved):
+        if resolved[k] not in _NEUTRAL:
             k += 1
             continue
         end = k
-        while end < len(found) and found[end] in _NEUTRAL:
+        while end < len(resolved) and resolved[end] in _NEUTRAL:
             end += 1
-        before = _as_letter(found[k - 1]) if k else side
-        after = _as_letter(found[end]) if end < len(found) else side
-        found[k:end] = [before if before == after else side] * (end - k)
+        before = _as_letter(resolved[k - 1]) if k else side
+        after = _as_letter(resolved[end]) if end < len(resolved) else side
+        resolved[k:end] = [before if before == after else side] * (end - k)
         k = end
-    return found
+    return resolved
 
 
 def _as_letter(kind: str) -> str:
@@ -122,7 +123,7 @@ def _as_letter(kind: str) -> str:
 
 
 def visual_order(levels: Sequence[int]) -> list[int]:
-    """The places of runs with these levels, from left to right (rule L2)."""
+    """The indices of runs with these levels, from left to right (rule L2)."""
     order = list(range(len(levels)))
     for level in range(max(levels, default=0), 0, -1):
         k = 0
@@ -232,10 +233,10 @@ class Shaper:
 
     def advances(self, text: str) -> list[float]:
         """Advance of each character, glyph units; 0 for all but the first of a cluster."""
-        found = [0.0] * len(text)
+        advances = [0.0] * len(text)
         for one in self.shape(text):
-            found[one.cluster] += one.advance
-        return found
+            advances[one.cluster] += one.advance
+        return advances
 
     def _split_runs(self, text: str) -> list[_Run]:
         levels = [0] * len(text)

@@ -35,7 +35,6 @@ __all__ = [
     "break_line",
     "has_words",
     "is_written_down",
-    "may_break_after",
     "set_text",
     "text_of",
 ]
@@ -54,7 +53,7 @@ WHOLE = frozenset({"Hani", "Hira", "Kana", "Hang", "Bopo", "Yiii", "Tang", "Nshu
 
 @dataclass(frozen=True, eq=False)
 class Body:
-    """Ink that is written in one go.
+    """Connected ink, written in one go.
 
     Attributes
     ----------
@@ -70,7 +69,7 @@ class Body:
 
 class _Part(NamedTuple):
     shape: Polygon
-    glyph: int  # place in the line
+    glyph: int  # index in the line
     is_main: bool  # the largest of a glyph that is no mark
 
 
@@ -117,7 +116,7 @@ def text_of(some: Sequence[ShapedGlyph], starts: Sequence[int], line: str) -> st
 
 
 def _bases(glyphs: Sequence[ShapedGlyph], areas: Sequence[float]) -> list[int]:
-    """For every glyph the largest one of those that stand for the same characters."""
+    """The largest glyph among those of the same characters, for every glyph."""
     largest: dict[int, int] = {}
     for k, one in enumerate(glyphs):
         if areas[k] > areas[largest.setdefault(one.cluster, k)]:
@@ -226,7 +225,7 @@ _HYPHENS = set("-‐–—")
 _IDEOGRAPHIC_SPACE = "\u3000"
 
 
-def may_break_after(text: str, k: int) -> bool:
+def _may_break_after(text: str, k: int) -> bool:
     """Return whether a line may end after character k of a text, which has more."""
     here, after = text[k], text[k + 1]
     if unicodedata.category(after).startswith("M") or after == "\u200d" or here == "\u2060":
@@ -244,15 +243,15 @@ def _is_wide(character: str) -> bool:
     return unicodedata.east_asian_width(character) in ("W", "F")
 
 
-def break_line(text: str, advances: Sequence[float], room: float) -> list[str]:
-    """Break a text into lines no longer than there is room for, where it can be broken.
+def break_line(text: str, advances: Sequence[float], length: float) -> list[str]:
+    """Break a text into lines no longer than a length, where it can be broken.
 
     Parameters
     ----------
     text : str
     advances : sequence of float
         Of every character; 0 for all but the first that are drawn as one.
-    room : float
+    length : float
         In the unit of the advances.
 
     Returns
@@ -260,17 +259,17 @@ def break_line(text: str, advances: Sequence[float], room: float) -> list[str]:
     list of str
         Without the spaces around the breaks.
     """
-    lines, start, end, width, kept = [], 0, 0, 0.0, 0.0
+    lines, start, end, width, inked_before = [], 0, 0, 0.0, 0.0
     for k, advance in enumerate(advances):
         width += advance
-        inked = width if not text[k].isspace() else kept
-        if inked > room and end > start:
+        inked = width if not text[k].isspace() else inked_before
+        if inked > length and end > start:
             lines.append(text[start:end].strip())
             start = end
             width = sum(advances[start : k + 1])
             inked = width
-        kept = inked
-        if k + 1 < len(text) and advances[k + 1] > 0.0 and may_break_after(text, k):
+        inked_before = inked
+        if k + 1 < len(text) and advances[k + 1] > 0.0 and _may_break_after(text, k):
             end = k + 1
     lines.append(text[start:].strip())
     return [line for line in lines if line]
@@ -288,7 +287,7 @@ _ROUNDING = 3  # decimals of glyph units by which bodies are known again
 
 
 def is_written_down(text: str) -> bool:
-    """Return whether a text is one that is written in columns: by its first letter."""
+    """Return whether a text is written in columns, by its first letter."""
     for character in text:
         if unicodedata.category(character).startswith("L"):
             return unicodedata.name(character, "").startswith(_COLUMN_SCRIPTS)
@@ -296,7 +295,7 @@ def is_written_down(text: str) -> bool:
 
 
 def has_words(text: str) -> bool:
-    """Return whether letters of a text are set together as words, as those of alphabets are."""
+    """Return whether letters of a text are set together as words, as in alphabets."""
     letters = [unicodedata.category(one)[0] in "LM" and not is_square_letter(one) for one in text]
     return any(map(all, pairwise(letters)))
 
@@ -312,7 +311,7 @@ def _words_of(line: str) -> list[int]:
 
 @dataclass(frozen=True, eq=False)
 class FontText:
-    """A text that is set in a font, in the room there is.
+    """A text set in a font, in lines of an available length.
 
     Parameters
     ----------
@@ -353,27 +352,27 @@ class FontText:
         """Return whether its lines are columns."""
         return self.style.direction == "ttb"
 
-    def compose(self, room: float) -> Page:
-        """The page with lines no longer than `room`, glyph units, where they can be broken."""
-        key = tuple(self._lines(room))
+    def compose(self, length: float) -> Page:
+        """The page with lines no longer than `length`, glyph units, where they can be broken."""
+        key = tuple(self._lines(length))
         if key not in self._pages:
             self._pages[key] = self._set_lines(key, Shaper(self.font, self.style))
         return self._pages[key]
 
-    def least_size(self, room: float) -> tuple[float, float]:
+    def least_size(self, length: float) -> tuple[float, float]:
         """Least length and height of the page, by advances alone."""
         pitch = _COLUMN_PITCH * EM_UNITS if self.runs_down else self._pitch
-        across = pitch * (len(self._lines(room)) - 1)
-        return (max(map(sum, self._advances)) if math.isinf(room) else 0.0), across
+        across = pitch * (len(self._lines(length)) - 1)
+        return (max(map(sum, self._advances)) if math.isinf(length) else 0.0), across
 
-    def _lines(self, room: float) -> list[str]:
+    def _lines(self, length: float) -> list[str]:
         parts = self._paragraphs()
-        if math.isinf(room):
+        if math.isinf(length):
             return parts
         return [
             line
             for part, advances in zip(parts, self._advances, strict=True)
-            for line in (break_line(part, advances, room) if part else [part])
+            for line in (break_line(part, advances, length) if part else [part])
         ]
 
     @cached_property
@@ -441,8 +440,8 @@ class FontText:
         forms = self._known_strokes(body, text)
         strokes: list[GlyphStroke] = []
         shapes = [as_multipolygon(unary_union(parts))] if forms else parts  # known lines: of both
-        ways = [forms or self._way_through(body, text), *[()] * (len(shapes) - 1)]
-        for shape, known in zip(shapes, ways, strict=True):
+        paths = [forms or self._pen_path(body, text), *[()] * (len(shapes) - 1)]
+        for shape, known in zip(shapes, paths, strict=True):
             strokes += with_stubs(_decompose(shape, known, first.is_rtl), _BOLD)
         left, lower, right, upper = bounds_of(part.bounds for part in parts)
         if self.runs_down:
@@ -460,8 +459,8 @@ class FontText:
             return ()
         return known_strokes(self.templates, text)
 
-    def _way_through(self, body: Body, text: str) -> tuple[Glyph, ...]:
-        """The way of the pen through a body of Arabic letters, from its first glyph's origin."""
+    def _pen_path(self, body: Body, text: str) -> tuple[Glyph, ...]:
+        """The path of the pen through a body of Arabic letters, from its first glyph's origin."""
         first = body.glyphs[0]
         if self.templates is None or first.script != "Arab":
             return ()
@@ -476,8 +475,8 @@ class FontText:
             end = min((c for c in starts if c > one.cluster), default=len(text) + starts[0])
             letter = _letters_of(text, one.cluster - starts[0], end - starts[0])
             letters.append(PlacedLetter(*letter, np.array(largest.bounds) + at))
-        way = body_strokes(letters)
-        return () if way is None else (way,)
+        path = body_strokes(letters)
+        return () if path is None else (path,)
 
 
 def _letters_of(text: str, start: int, end: int) -> tuple[str, str]:
@@ -517,7 +516,7 @@ def _placement(body: Body) -> list[tuple[int, float, float]]:
 def set_text(
     text: str, font: FontFile, style: Style, templates: GlyphSource | None, order: str | None
 ) -> FontText:
-    """A text set as it is asked for: in rows or columns, or as its script is written.
+    """Set a text in rows or columns as asked, or as its script is written.
 
     Parameters
     ----------

@@ -68,15 +68,15 @@ def _longest_axis(area: Polygon) -> AnyArray:
     """The rotation (2, 2) that lays the longest side of an area along x."""
     corners = np.asarray(area.minimum_rotated_rectangle.exterior.coords)
     sides = np.diff(corners[:3], axis=0)
-    way = sides[int(np.argmax(np.linalg.norm(sides, axis=1)))]
-    way = way / np.linalg.norm(way)
-    if way[0] - way[1] < 0.0:  # to the right and downwards
-        way = -way
-    return np.array([way, [-way[1], way[0]]])
+    direction = sides[int(np.argmax(np.linalg.norm(sides, axis=1)))]
+    direction = direction / np.linalg.norm(direction)
+    if direction[0] - direction[1] < 0.0:  # to the right and downwards
+        direction = -direction
+    return np.array([direction, [-direction[1], direction[0]]])
 
 
 def _make_band(part: Polygon, turn: AnyArray) -> GlyphStroke:
-    """One band as a stroke through the middles of its sections."""
+    """Make a band a stroke through the middles of its sections."""
     from shapely import LineString
 
     left, lower, right, upper = part.bounds

@@ -1,4 +1,4 @@
-"""Correcting the strokes of a page: turned round, put in another order, joined, split, left out.
+"""Correction of a page's strokes: reversing, reordering, joining, splitting, leaving out.
 
 A page under correction never changes; each correction makes another one. Strokes lie where they do
 on the page, and those of one piece follow each other. Ink is neither made nor lost: parts of a
@@ -28,7 +28,7 @@ __all__ = ["CorrectedPage", "CorrectedStroke", "halves_at"]
 
 _GRID = 1e-3  # glyph units: to which a file of strokes is rounded
 _NEAREST_END = 0.02  # of a stroke's length: a cut nearer to an end is none
-_MOST_SAMPLES = 300  # along a stroke, to find which half a place belongs to
+_MOST_SAMPLES = 300  # along a stroke, to find which half a point belongs to
 _STANDS_OUT = 0.25  # of a box: so far letters of a font may stand out of theirs
 _CRUMB = 1.0  # square units: smaller bits that touch neither half are rounding
 
@@ -80,11 +80,11 @@ class CorrectedPage:
 
     @property
     def is_changed(self) -> bool:
-        """Return whether anything is not as it was."""
+        """True if any correction was made."""
         return self.strokes != self._first
 
     def number(self, k: int) -> tuple[int, int]:
-        """A stroke's place in its piece, counted from 1, and how many that has."""
+        """A stroke's position in its piece, counted from 1, and the number of strokes there."""
         mine = self._strokes_of_piece(self.strokes[k].piece)
         return mine.index(k) + 1, len(mine)
 
@@ -115,14 +115,14 @@ class CorrectedPage:
         return self._replace_stroke(k, replace(self.strokes[k], is_left_out=on))
 
     def move(self, k: int, by: int) -> tuple[CorrectedPage, int]:
-        """Stroke k later in its piece by so many, or earlier; and its place then."""
+        """Stroke k later in its piece by so many, or earlier; and its position then."""
         mine = self._strokes_of_piece(self.strokes[k].piece)
         to = min(max(k + by, mine[0]), mine[-1])
         others = [one for j, one in enumerate(self.strokes) if j != k]
         return self._replace_all([*others[:to], self.strokes[k], *others[to:]]), to
 
     def move_piece(self, k: int, by: int) -> tuple[CorrectedPage, int]:
-        """The piece of stroke k later by so many, or earlier; and the stroke's place then."""
+        """The piece of stroke k later by so many, or earlier; and the stroke's position then."""
         order = list(dict.fromkeys(one.piece for one in self.strokes))
         piece = self.strokes[k].piece
         at = order.index(piece)
@@ -138,7 +138,7 @@ class CorrectedPage:
         )
 
     def join(self, k: int, other: int) -> tuple[CorrectedPage, int]:
-        """Stroke k and another as one, in the direction of k; and its place then.
+        """Stroke k and another as one, in the direction of k; and its position then.
 
         They meet at those ends that lie nearest to each other.
 
@@ -157,7 +157,7 @@ class CorrectedPage:
         return self._replace_all(strokes), strokes.index(joined)
 
     def split(self, k: int, point: Sequence[float] | AnyArray) -> CorrectedPage:
-        """Stroke k as two, cut across its line at the place nearest to a point of the page.
+        """Stroke k as two, cut across its line at the point nearest to a point of the page.
 
         Raises
         ------
@@ -179,13 +179,13 @@ class CorrectedPage:
         import shapely
 
         there = shapely.Point(*point)
-        best, found = (np.inf, np.inf), None
+        best, nearest = (np.inf, np.inf), None
         for k, one in enumerate(self.strokes):
             off = shapely.distance(one.stroke.polygon(), there)
             line = shapely.distance(shapely.LineString(one.stroke.median), there)
             if off <= reach and (off, line) < best:
-                best, found = (float(off), float(line)), k
-        return found
+                best, nearest = (float(off), float(line)), k
+        return nearest
 
     def page(self) -> Page:
         """The page with what is to be written.
@@ -199,8 +199,8 @@ class CorrectedPage:
         """
         order = list(dict.fromkeys(one.piece for one in self.strokes))
         pieces = [self._make_piece(p) for p in order]
-        kept = tuple(piece for piece in pieces if piece.glyph.strokes)
-        return replace(self.base, pieces=kept)
+        written = tuple(piece for piece in pieces if piece.glyph.strokes)
+        return replace(self.base, pieces=written)
 
     def _make_piece(self, p: int) -> Piece:
         piece = self.base.pieces[p]
@@ -241,7 +241,7 @@ def _reverse_order(stroke: GlyphStroke) -> GlyphStroke:
 
 
 def _bound_strokes(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
-    """A box; a larger one where strokes that came from another piece stand far out of it."""
+    """A piece's box, enlarged to all its strokes where some stand far out of it."""
     if not strokes:
         return box
     points = np.concatenate([stroke.outline for stroke in strokes])
@@ -253,9 +253,9 @@ def _bound_strokes(box: Box, strokes: Sequence[GlyphStroke]) -> Box:
 
 
 def halves_at(stroke: GlyphStroke, point: AnyArray) -> tuple[GlyphStroke, GlyphStroke]:
-    """A stroke cut in two across its line, at the place nearest to a point (2,).
+    """A stroke cut in two across its line, at the point nearest to a point (2,).
 
-    Every place of its region goes to the half whose line is nearest.
+    Every point of its region goes to the half whose line is nearest.
 
     Raises
     ------
@@ -293,15 +293,16 @@ def _part_region(region: Polygon, median: AnyArray, cut: float) -> tuple[Polygon
     after = np.arange(cut + 0.5 * step, length, step)
     if not len(before) or not len(after):
         before, after = np.array([0.5 * cut]), np.array([1.5 * cut])
-    places = np.round(points_at(median, np.concatenate([before, after])) / _GRID) * _GRID
-    _, first = np.unique(places, axis=0, return_index=True)  # of a line that comes back on itself
-    kept = np.sort(first)
-    points = shapely.points(places[kept])
+    points_along = np.round(points_at(median, np.concatenate([before, after])) / _GRID) * _GRID
+    # a line that comes back on itself has some points twice
+    _, first = np.unique(points_along, axis=0, return_index=True)
+    distinct = np.sort(first)
+    points = shapely.points(points_along[distinct])
     cells = shapely.get_parts(
         shapely.voronoi_polygons(shapely.multipoints(points), extend_to=region)
     )
     of_point, cell = shapely.STRtree(cells).query(points, predicate="within")
-    mine = shapely.union_all(cells[cell[kept[of_point] < len(before)]])
+    mine = shapely.union_all(cells[cell[distinct[of_point] < len(before)]])
     one = shapely.intersection(region, mine, grid_size=_GRID)
     other = shapely.difference(region, mine, grid_size=_GRID)
     return _merge_small_parts(_polygons(one), _polygons(other))
@@ -317,7 +318,7 @@ def _polygons(shape: Any) -> list[Polygon]:
 
 
 def _merge_small_parts(one: list[Polygon], other: list[Polygon]) -> tuple[Polygon, Polygon]:
-    """The largest part of each; smaller ones go to that which they touch most."""
+    """Keep the largest part of each; merge smaller ones into the one they touch most."""
     if not one or not other:
         raise InputError("the cut parts nothing; expected a place within the stroke's ink")
     wholes, loose = [one[0], other[0]], [*one[1:], *other[1:]]
@@ -338,15 +339,15 @@ def _merge_small_parts(one: list[Polygon], other: list[Polygon]) -> tuple[Polygo
 
 
 def _part_dryness(
-    dryness: Sequence[float], share: float
+    dryness: Sequence[float], fraction: float
 ) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """Shares left bare at even stations, of the two parts of a stroke."""
+    """Fractions left bare at even stations, of the two parts of a stroke."""
     n = len(dryness)
     if not n:
         return (), ()
-    first = min(max(round(n * share), 1), max(n - 1, 1))
+    first = min(max(round(n * fraction), 1), max(n - 1, 1))
     counts = first, max(n - first, 1)
-    spans = (0.0, share), (share, 1.0)
+    spans = (0.0, fraction), (fraction, 1.0)
     parts = [
         _resample_dryness(dryness, low, high, m)
         for (low, high), m in zip(spans, counts, strict=True)
@@ -357,7 +358,7 @@ def _part_dryness(
 def _resample_dryness(
     dryness: Sequence[float], low: float, high: float, n: int
 ) -> tuple[float, ...]:
-    """Shares at n even stations of a part of a stroke, from those of all of it."""
+    """Fractions at n even stations of a part of a stroke, from those of all of it."""
     at = low + (np.arange(n) + 0.5) / n * (high - low)
     known = (np.arange(len(dryness)) + 0.5) / len(dryness)
     return tuple(np.round(np.interp(at, known, dryness), 3).tolist())
@@ -391,13 +392,13 @@ def _join_strokes(one: GlyphStroke, other: GlyphStroke) -> GlyphStroke:
 def _concatenate_dryness(
     drynesses: Sequence[Sequence[float]], lengths: Sequence[float]
 ) -> tuple[float, ...]:
-    """Shares at even stations of two strokes as one; a stroke that does not say is wet."""
+    """Fractions at even stations of two strokes as one; a stroke that does not say is wet."""
     known = [dry or (0.0,) for dry in drynesses]
     at = [(np.arange(len(d)) + 0.5) / len(d) * w for d, w in zip(known, lengths, strict=True)]
-    places = np.concatenate([at[0], lengths[0] + at[1]])
-    n = len(places)
+    stations = np.concatenate([at[0], lengths[0] + at[1]])
+    n = len(stations)
     wanted = (np.arange(n) + 0.5) / n * sum(lengths)
-    return tuple(np.round(np.interp(wanted, places, np.concatenate(known)), 3).tolist())
+    return tuple(np.round(np.interp(wanted, stations, np.concatenate(known)), 3).tolist())
 
 
 def _bridge_regions(

@@ -1,6 +1,6 @@
 """Layout of the pieces of a flat page on an object.
 
-The middle of the page lies at a place of the surface. From there one goes straight up or down to a
+The middle of the page lies at a point of the surface. From there one goes straight up or down to a
 piece's height and then along the level line, so that lines of text lie level and pieces are as far
 apart along them as on the page; every piece is then laid by geodesics around its own middle.
 """
@@ -33,8 +33,8 @@ from paint3d.mesh.placement import SurfaceLine
 
 __all__ = ["PlacedPiece", "lay_page"]
 
-_SHARES = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines that are tried
-_MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the place: tried in turn
+_LINE_FRACTIONS = (1.0, 0.8, 0.65, 0.5, 0.4, 0.3, 0.2)  # of the room there is: lines that are tried
+_MOVES = (0.0, 0.3, -0.3, 0.6, -0.6, 1.0, -1.0, 1.5, -1.5)  # ems up from the point: tried in turn
 _MOST_PLACES = 12
 _ROUNDING = 1e-6  # of a length
 _SHARED = 0.02  # of the em: corners of boxes that share this much more than on the page are apart
@@ -83,7 +83,7 @@ def lay_page(
     InputError
         If the page does not fit; the message says how large it is, and why.
     MeshError
-        If there is no such place.
+        If there is no such position.
     """
     layout, limits = layout or Layout(), limits or SquareLimits()
     try:
@@ -109,7 +109,7 @@ def _lay_on_area(
     composed: Page | None = None  # in one line, or broken as little as was tried
     areas, layout = find_writing_areas(surface, layout)
     area = areas[0]  # of a couplet, the panel on the right
-    for n, frame in enumerate(_places(area, layout, em_mm)):
+    for n, frame in enumerate(_frames_to_try(area, layout, em_mm)):
         if n == most_places:
             break
         sheet = _Sheet(area, em_mm, layout, limits, frame)
@@ -126,12 +126,18 @@ def _lay_on_area(
             object=surface.mesh.name,
         )
     if composed is None:
-        raise _far_too_large(surface, composer, em_mm, fault)
+        raise InputError(  # its advances alone show that it is too large
+            "the text is {length:,.0f} mm long at this size, which does not fit on {object} "
+            "({fault}); expected less to write or a smaller size",
+            length=em_mm / EM_UNITS * composer.least_size(math.inf)[0],
+            object=surface.mesh.name,
+            fault=fault,
+        )
     raise _too_large(surface, composed, em_mm, fault)
 
 
-def _places(area: WritingArea, layout: Layout, em_mm: float) -> Iterator[SurfaceFrame]:
-    """Places where the page's middle may lie: the one asked for, or one after another."""
+def _frames_to_try(area: WritingArea, layout: Layout, em_mm: float) -> Iterator[SurfaceFrame]:
+    """Frames for the page's middle: the one asked for, or candidates one after another."""
     if layout.is_placed or layout.around:
         yield start_around(area, layout, em_mm)
         return
@@ -156,21 +162,8 @@ def _too_large(surface: ClosestPoints, page: Page, em_mm: float, fault: MeshErro
     )
 
 
-def _far_too_large(
-    surface: ClosestPoints, composer: Composer, em_mm: float, fault: MeshError
-) -> InputError:
-    """Error for a text whose advances alone show that it is too large."""
-    return InputError(
-        "the text is {length:,.0f} mm long at this size, which does not fit on {object} ({fault}); "
-        "expected less to write or a smaller size",
-        length=em_mm / EM_UNITS * composer.least_size(math.inf)[0],
-        object=surface.mesh.name,
-        fault=fault,
-    )
-
-
 class _Sheet(TextPlace):
-    """A page's lines up and along, around one place of a surface."""
+    """A page's lines up and along, around one point of a surface."""
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -180,16 +173,16 @@ class _Sheet(TextPlace):
         self._rings: dict[float, Ring] = {}
 
     def pages(self, composer: Composer) -> Iterator[Page]:
-        """The text in one line, then broken to more and more, but for what is far too large.
+        """Yield the text in one line, then broken to more and more, except if far too large.
 
         Of that not even the glyphs are placed, which takes seconds for thousands.
         """
-        room = self._length_along(composer)
+        available = self._length_along(composer)
         page: Page | None = None
-        for share in (math.inf, *_SHARES):
-            length = share * room / self.scale
+        for fraction in (math.inf, *_LINE_FRACTIONS):
+            length = fraction * available / self.scale
             along, across = (self.scale * size for size in composer.least_size(length))
-            if along > _FAR * room + 4.0 * self.em_mm or across > _FAR * self._length_across(
+            if along > _FAR * available + 4.0 * self.em_mm or across > _FAR * self._length_across(
                 composer
             ):
                 self.too_small = self.too_small or self.surface_ends_error()
@@ -200,7 +193,7 @@ class _Sheet(TextPlace):
                 yield page
 
     def _length_across(self, composer: Composer) -> float:
-        """Room across the lines, mm."""
+        """Length available across the lines, mm."""
         if not composer.runs_down:
             return sum(self.climb(sign).length for sign in (1.0, -1.0))
         right = self._level_line(0.0, 1.0)
@@ -230,11 +223,11 @@ class _Sheet(TextPlace):
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
                 laid = self._arrange(page, move * self.em_mm)
-                found = {
+                laid_pieces = {
                     k: self._lay_piece(laid.pieces[k], laid, move * self.em_mm)
                     for k in _outermost_first(laid)
                 }
-                placed = [found[k] for k in range(len(found))]
+                placed = [laid_pieces[k] for k in range(len(laid_pieces))]
                 self._check_apart(laid, placed)
                 return placed
             except MeshError as cause:
@@ -243,18 +236,18 @@ class _Sheet(TextPlace):
         raise fault
 
     def _arrange(self, page: Page, move: float) -> Page:
-        """A page as it is laid; of one that goes around a body x is counted from the place."""
+        """A page as it is laid; of one that goes around a body x is counted from the point."""
         if not self.layout.around:
             return page
         arc = self._find_arc(self._heights(page, move))
         if arc is not None:
-            return self._along(page, arc)
+            return self._lay_along(page, arc)
         if all(piece.word is not None for piece in page.pieces):
             return self._wrap_around(page, move)
         return self._spread_around(page)
 
     def _heights(self, page: Page, move: float) -> list[float]:
-        """Middles of the lines of a page, mm above the place."""
+        """Middles of the lines of a page, mm above the point."""
         _, lower, _, upper = page.bounds
         middle = 0.5 * (lower + upper)
         return sorted({round(self.scale * (one.at[1] - middle) + move, 6) for one in page.pieces})
@@ -270,8 +263,8 @@ class _Sheet(TextPlace):
         rings = [self._ring_at(height) for height in (0.0, *heights)]
         girths = [ring.length / ring.n_turns for ring in rings]
         start, end = (
-            best(place * girth / girths[0] for girth in girths)
-            for best, place in ((max, arc.start), (min, arc.end))
+            best(end_of_arc * girth / girths[0] for girth in girths)
+            for best, end_of_arc in ((max, arc.start), (min, arc.end))
         )
         return replace(arc, start=start, end=max(start, end))
 
@@ -281,7 +274,7 @@ class _Sheet(TextPlace):
             self._rings[height] = Ring(self.surface, right, left, self.up.up, self.em_mm)
         return self._rings[height]
 
-    def _along(self, page: Page, arc: FreeArc) -> Page:
+    def _lay_along(self, page: Page, arc: FreeArc) -> Page:
         """A page along a free arc: drawn out a little where there is room, and in its middle.
 
         Words stay whole.
@@ -292,12 +285,12 @@ class _Sheet(TextPlace):
             If it is longer than the arc.
         """
         left, _, right, _ = page.bounds
-        room = (arc.length + self.em_mm) / self.scale
-        if right - left > room * (1.0 + _ROUNDING):
+        available = (arc.length + self.em_mm) / self.scale
+        if right - left > available * (1.0 + _ROUNDING):
             raise in_the_way_error(
                 MeshError(
                     "beside it {room:.0f} mm are free round {object}, and {width:.0f} mm are taken",
-                    room=self.scale * room,
+                    room=self.scale * available,
                     width=self.scale * (right - left),
                     object=self.surface.mesh.name,
                 ),
@@ -308,7 +301,7 @@ class _Sheet(TextPlace):
         for line, words in _words_of(page).items():
             start, _, end, _ = bounds_of(box for boxes in words.values() for box in boxes)
             gaps = max(len(words) - 1, 1)
-            more = min((room - (end - start)) / gaps, _MOST_MORE) if len(words) > 1 else 0.0
+            more = min((available - (end - start)) / gaps, _MOST_MORE) if len(words) > 1 else 0.0
             for k, word in enumerate(_from_left(words)):
                 shifts[line, word] = more * (k - 0.5 * (len(words) - 1)) - 0.5 * (start + end)
             widest = max(widest, end - start + more * (len(words) - 1))
@@ -325,14 +318,14 @@ class _Sheet(TextPlace):
         boxes = [piece.box for piece in page.pieces]
 
         def shared(one: int, two: int) -> float:
-            """How far two boxes would have to be moved until they are apart on the page, mm."""
+            """The depth to which two boxes overlap on the page, and a little more, mm."""
             (l1, b1, r1, u1), (l2, b2, r2, u2) = boxes[one], boxes[two]
             depth = min(r1 - l2, r2 - l1, u1 - b2, u2 - b1)
             return self.scale * max(depth, 0.0) + _SHARED * self.em_mm
 
-        found = overlapping([one.square for one in placed], shared)
-        if found is not None:
-            one, two = (placed[k].glyph.text for k in found)
+        overlap = overlapping([one.square for one in placed], shared)
+        if overlap is not None:
+            one, two = (placed[k].glyph.text for k in overlap)
             raise MeshError(
                 "{object}: the lines of the surface run together there, so that {one!r} and "
                 "{two!r} would lie on each other",
@@ -355,8 +348,8 @@ class _Sheet(TextPlace):
     def _wrap_around(self, page: Page, move: float) -> Page:
         """A page of words all around the body, as often as it goes round.
 
-        The room that is left is shared evenly by the gaps between words; a copy's middle lies at
-        the place. x is counted from there.
+        The length that is left is shared evenly by the gaps between words; a copy's middle lies at
+        the point. x is counted from there.
         """
         _, lower, _, upper = page.bounds
         seam = max(self.layout.gap, _SEAM) * EM_UNITS
@@ -387,7 +380,7 @@ class _Sheet(TextPlace):
         return replace(page, pieces=tuple(pieces))
 
     def _ring_length(self, height: float, least: float) -> float:
-        """Length of the level line so many mm above the middle, glyph units.
+        """Length of the level line at a height (mm) above the middle, glyph units.
 
         Raises
         ------
@@ -416,7 +409,7 @@ class _Sheet(TextPlace):
         return PlacedPiece(piece.glyph, square)
 
     def _point_at(self, x: float, height: float, width: float) -> AnyArray:
-        """The point (3,) so many mm right of the place and above it, of a page of a width."""
+        """The point (3,) at an offset (mm) right of and above the middle, of a page of a width."""
         if self.layout.around:
             return self._ring_at(height).at(x)
         level = self._level_line(height, 1.0)
@@ -428,7 +421,7 @@ class _Sheet(TextPlace):
         return level.at(x)
 
     def _level_line(self, height: float, sign: float) -> SurfaceLine:
-        """The level line to the right, or with -1 to the left, so many mm above the middle."""
+        """The level line to the right, or with -1 to the left, at a height (mm)."""
         if (height, sign) not in self._levels:
             climb = self.climb(math.copysign(1.0, height))
             if abs(height) > climb.length:
@@ -439,14 +432,14 @@ class _Sheet(TextPlace):
 
 
 def _outermost_first(page: Page) -> list[int]:
-    """Numbers of a page's pieces, those along its edges first: a surface ends there first."""
+    """Indices of a page's pieces from its edges inwards: a surface ends there first."""
     left, lower, right, upper = page.bounds
 
-    def room(k: int) -> float:
+    def distance_to_edge(k: int) -> float:
         x, y = page.pieces[k].at
         return min(x - left, right - x, y - lower, upper - y)
 
-    return sorted(range(len(page.pieces)), key=room)
+    return sorted(range(len(page.pieces)), key=distance_to_edge)
 
 
 def _words_of(page: Page) -> dict[int, dict[int, list[Box]]]:

@@ -1,4 +1,4 @@
-"""Pages as a window asks for them: a text in a font, a drawing, or strokes in a file."""
+"""Opening pages for a window: a text in a font, a drawing, or a file of strokes."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from paint3d.calligraphy.kanjivg import find_kanjivg
 from paint3d.calligraphy.page.page import Page
 from paint3d.errors import InputError
 
-__all__ = ["PAGE_FILES", "opened_page", "set_in"]
+__all__ = ["PAGE_FILES", "open_page", "set_in"]
 
 PAGE_FILES = (".svg", ".strokes.json")
 
@@ -38,7 +38,7 @@ def set_in(text: str, font: Path | str, *, columns: bool) -> FontText:
     return set_text(text, open_font(font), Style(), known, order)
 
 
-def opened_page(file: Path | str) -> Page:
+def open_page(file: Path | str) -> Page:
     """The page in a drawing or a file of strokes, by the file's ending.
 
     Raises

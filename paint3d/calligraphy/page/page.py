@@ -39,7 +39,7 @@ _LEAST_SHARE = 1e-5  # of the largest polygon's area: smaller ones are dust of t
 
 
 def fill_rings(rings: Sequence[AnyArray], *, even_odd: bool = False) -> MultiPolygon:
-    """Area that closed curves enclose, by how often each place is gone around.
+    """Area that closed curves enclose, by the winding number of each point.
 
     Parameters
     ----------
@@ -58,14 +58,14 @@ def fill_rings(rings: Sequence[AnyArray], *, even_odd: bool = False) -> MultiPol
     if not faces:
         return MultiPolygon()
     inside = np.array([face.representative_point().coords[0] for face in faces])
-    turns = np.sum([_turns(ring, inside) for ring in closed], axis=0)
+    turns = np.sum([_winding_numbers(ring, inside) for ring in closed], axis=0)
     inked = turns % 2 != 0 if even_odd else turns != 0
     return as_multipolygon(
         unary_union([face for face, ink in zip(faces, inked, strict=True) if ink])
     )
 
 
-def _turns(ring: AnyArray, points: AnyArray) -> NDArray[np.int64]:
+def _winding_numbers(ring: AnyArray, points: AnyArray) -> NDArray[np.int64]:
     """Winding number of a closed ring (N, 2) around each of some points (M, 2)."""
     a, b = ring[:-1, None], ring[1:, None]
     side = (b[..., 0] - a[..., 0]) * (points[:, 1] - a[..., 1])
@@ -106,7 +106,7 @@ class Piece:
     at : (float, float)
         Where the middle of its box lies on the page, glyph units, y upwards.
     word : (int, int), optional
-        The line and the word in it, from 0, that it is kept together with.
+        The line and the word in it, from 0, that it stays together with.
     """
 
     glyph: Glyph
@@ -194,31 +194,31 @@ class Page:
         """The box around all pieces, glyph units."""
         return bounds_of(piece.box for piece in self.pieces)
 
-    def compose(self, room: float) -> Page:
+    def compose(self, length: float) -> Page:
         """Return the page itself, whose lines are set already."""
         return self
 
-    def least_size(self, room: float) -> tuple[float, float]:
+    def least_size(self, length: float) -> tuple[float, float]:
         """No lower bound: the size of a page is known."""
         return 0.0, 0.0
 
 
 class Composer(Protocol):
-    """Something that is set as a page in the room that there is."""
+    """Something that is set as a page in lines of an available length."""
 
     @property
     def runs_down(self) -> bool:
         """Return whether its lines are columns."""
         ...
 
-    def compose(self, room: float) -> Page:
-        """The page with lines no longer than `room`, glyph units, where they can be broken.
+    def compose(self, length: float) -> Page:
+        """The page with lines no longer than `length`, glyph units, where they can be broken.
 
         It is the same page, not a copy, where the lines are broken alike.
         """
         ...
 
-    def least_size(self, room: float) -> tuple[float, float]:
+    def least_size(self, length: float) -> tuple[float, float]:
         """Least length and height of its page, glyph units, by advances alone.
 
         Along the lines, of those that cannot be broken, and across them.

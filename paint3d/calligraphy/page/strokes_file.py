@@ -49,7 +49,7 @@ def save_strokes(page: Page, file: Path) -> None:
 
 
 def _photograph_words(photograph: Photograph, file: Path) -> dict[str, Any]:
-    """Words for a photograph: its path from the file of strokes, and how its sheet lies in it."""
+    """A photograph as JSON: its path relative to the file of strokes, and its sheet's corners."""
     try:
         where = photograph.file.parent.resolve() / photograph.file.name
         there = Path(os.path.relpath(where, file.parent.resolve())).as_posix()
@@ -140,22 +140,22 @@ def load_strokes(file: Path | str) -> Page:
         )
     known: dict[str, Glyph] = {}
     pieces = [
-        _piece(piece, f"{path}: piece {k + 1}", known)
-        for k, piece in enumerate(_list(data, "pieces", f"{path}"))
+        _parse_piece(piece, f"{path}: piece {k + 1}", known)
+        for k, piece in enumerate(_require_list(data, "pieces", f"{path}"))
     ]
-    source, licence = (_text(data, key, f"{path}") for key in ("source", "licence"))
+    source, licence = (_require_text(data, key, f"{path}") for key in ("source", "licence"))
     photograph = None
     if data.get("photograph") is not None:
-        photograph = _photograph(data["photograph"], path)
+        photograph = _parse_photograph(data["photograph"], path)
     return Page(tuple(pieces), source, licence, photograph)
 
 
-def _photograph(data: Any, path: Path) -> Photograph:
+def _parse_photograph(data: Any, path: Path) -> Photograph:
     """The photograph that strokes say they are from; whether it is there is not looked at."""
     name = f"{path}: photograph"
-    corners = as_array(_list(data, "corners", name), f"{name}: corners", (4, 2))
-    height, width = as_array(_list(data, "size", name), f"{name}: size", (2,)).tolist()
-    origin = as_array(_list(data, "origin", name), f"{name}: origin", (2,))
+    corners = as_array(_require_list(data, "corners", name), f"{name}: corners", (4, 2))
+    height, width = as_array(_require_list(data, "size", name), f"{name}: size", (2,)).tolist()
+    origin = as_array(_require_list(data, "origin", name), f"{name}: origin", (2,))
     per_unit = as_number(data.get("per_unit"), f"{name}: per_unit", *_PER_UNIT)
     for side in (height, width):
         if not (side.is_integer() and 1 <= side <= _LONGEST_SHEET):
@@ -165,7 +165,7 @@ def _photograph(data: Any, path: Path) -> Photograph:
                 side=side,
                 most=_LONGEST_SHEET,
             )
-    there = _text(data, "file", name)
+    there = _require_text(data, "file", name)
     windows = PureWindowsPath(there)
     if windows.anchor or PurePosixPath(there).is_absolute() or "\\" in there or not windows.name:
         raise InputError(
@@ -176,24 +176,24 @@ def _photograph(data: Any, path: Path) -> Photograph:
         )
     file = path.parent / there
     invert = data.get("invert", False) is True
-    digest = _text(data, "sha256", name).lower() if "sha256" in data else ""
+    digest = _require_text(data, "sha256", name).lower() if "sha256" in data else ""
     return Photograph(file, corners, (int(height), int(width)), per_unit, origin, invert, digest)
 
 
-def _piece(data: Any, name: str, known: dict[str, Glyph]) -> Piece:
+def _parse_piece(data: Any, name: str, known: dict[str, Glyph]) -> Piece:
     """A piece; its glyph is one of those known already where it is the same."""
-    at = as_array(_list(data, "at", name), f"{name}: at", (2,))
+    at = as_array(_require_list(data, "at", name), f"{name}: at", (2,))
     key = json.dumps({**data, "at": None}, sort_keys=True)
     if key not in known:
-        known[key] = _glyph(data, name)
+        known[key] = _parse_glyph(data, name)
     return Piece(known[key], (float(at[0]), float(at[1])))
 
 
-def _glyph(data: dict[str, Any], name: str) -> Glyph:
-    strokes = _list(data, "strokes", name)
-    read = [_stroke(stroke, f"{name}, stroke {k + 1}") for k, stroke in enumerate(strokes)]
+def _parse_glyph(data: dict[str, Any], name: str) -> Glyph:
+    strokes = _require_list(data, "strokes", name)
+    read = [_parse_stroke(stroke, f"{name}, stroke {k + 1}") for k, stroke in enumerate(strokes)]
     read.sort(key=lambda one: one[0])
-    box = as_array(_list(data, "box", name), f"{name}: box", (4,))
+    box = as_array(_require_list(data, "box", name), f"{name}: box", (4,))
     if not (box[2:] > box[:2]).all():
         raise InputError(
             "{name}: box is {box}; expected left, lower, right, upper side",
@@ -202,25 +202,25 @@ def _glyph(data: dict[str, Any], name: str) -> Glyph:
         )
     left, lower, right, upper = box.tolist()
     return Glyph(
-        _text(data, "text", name),
+        _require_text(data, "text", name),
         tuple(stroke for _, stroke in read),
         (left, lower, right, upper),
         data.get("solid", False) is True,
     )
 
 
-def _stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:
+def _parse_stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:
     """Its number in the order of writing, and the stroke."""
     rings = [
         as_array(ring, f"{name}: ring {k + 1}", (None, 2))
-        for k, ring in enumerate(_list(data, "rings", name))
+        for k, ring in enumerate(_require_list(data, "rings", name))
     ]
     if not rings or min(map(len, rings)) < 3:
         raise InputError(
             "{name}: expected rings of 3 points or more, the outer one first",
             name=name,
         )
-    line = as_array(_list(data, "line", name), f"{name}: line", (None, 2))
+    line = as_array(_require_list(data, "line", name), f"{name}: line", (None, 2))
     if len(line) < 2:
         raise InputError("{name}: line has {n} points; expected 2 or more", name=name, n=len(line))
     dryness = as_array(data.get("dryness", []), f"{name}: dryness", (None,))
@@ -236,14 +236,14 @@ def _stroke(data: Any, name: str) -> tuple[float, GlyphStroke]:
     return order, GlyphStroke(rings[0], line, holes, tuple(dryness.tolist()), strength)
 
 
-def _list(data: Any, key: str, name: str) -> list[Any]:
+def _require_list(data: Any, key: str, name: str) -> list[Any]:
     value = data.get(key) if isinstance(data, dict) else None
     if not isinstance(value, list):
         raise InputError("{name}: expected an object with a list named {key}", name=name, key=key)
     return value
 
 
-def _text(data: dict[str, Any], key: str, name: str) -> str:
+def _require_text(data: dict[str, Any], key: str, name: str) -> str:
     value = data.get(key)
     if not isinstance(value, str):
         raise InputError(

@@ -2,7 +2,7 @@
 
 The package that reads drawings knows none of them. So each element below one is given its name in
 an attribute, which is inherited and comes out with its shape; and the path itself is a drawing of
-its own, in the place of what refers to it.
+its own, in place of what refers to it.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ __all__ = [
 ]
 
 CLIPS = "data-paint3d-clips"
-"""The attribute with the places, in what `mark_clipped` returns, of all paths that clip a shape."""
+"""The attribute with the indices, into what `mark_clipped` returns, of a shape's clipping paths."""
 HREFS = ("href", "{http://www.w3.org/1999/xlink}href")
 """Attributes that refer to another element."""
 SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 """Tags of the elements that are drawn."""
 _USING = (*HREFS, "x", "y", "width", "height")
-_REFERENCE = re.compile(r"""\s*url\(\s*['"]?#([^'")]+)['"]?\s*\)\s*""")
+_REFERENCE = re.compile(r"""\s*url\(\s*['"]?#([^'")]+)['"]?\s*\)\s*""")  # url(#id), the whole value
 _STYLED = re.compile(r"(?:^|;)\s*clip-path\s*:\s*([^;!]*)", re.IGNORECASE)
 _RULE = re.compile(r"(?:^|;)\s*clip-rule\s*:\s*([^;!\s]*)", re.IGNORECASE)
 _PLACING = ("transform", "x", "y", "width", "height", "viewBox", "preserveAspectRatio")
@@ -40,7 +40,7 @@ _MOST = 64  # paths that clip each other
 
 
 def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
-    """Write at each element of a drawing by which paths it is clipped.
+    """Note at each element of a drawing the paths that clip it.
 
     Parameters
     ----------
@@ -56,7 +56,7 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
     """
     named = elements_by_id(root)
     if any(map(_property_of, root.iter())):
-        _put_in_place(root, named)
+        _inline_uses(root, named)
     paths: list[bytes] = []
     others: set[str] = set()
 
@@ -67,16 +67,16 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
         here = [*above, element]
         seen: set[str] = set()
         while text and text != "none":
-            found = _REFERENCE.fullmatch(text)
-            path = named.get(found[1]) if found else None
-            if found is None or (path is not None and not _is_plain(path)):
+            match = _REFERENCE.fullmatch(text)
+            path = named.get(match[1]) if match else None
+            if match is None or (path is not None and not _is_plain(path)):
                 others.add(text.strip()[:40])
                 break
-            if path is None or found[1] in seen or len(paths) >= _MOST * _MOST:
+            if path is None or match[1] in seen or len(paths) >= _MOST * _MOST:
                 break
-            seen.add(found[1])
+            seen.add(match[1])
             clips = (*clips, len(paths))
-            paths.append(_drawing(here, path, named))
+            paths.append(_clip_drawing(here, path, named))
             text = _property_of(path)  # itself clipped
         if clips:
             element.set(CLIPS, " ".join(map(str, clips)))
@@ -87,8 +87,8 @@ def mark_clipped(root: Element) -> tuple[list[bytes], set[str]]:
     return paths, others
 
 
-def _put_in_place(element: Element, named: dict[str, Element]) -> None:
-    """Put what is used into the place of its uses, where it may be clipped otherwise."""
+def _inline_uses(element: Element, named: dict[str, Element]) -> None:
+    """Put what is used in place of its uses, where it may be clipped otherwise."""
     for k, child in enumerate(element):
         used = named.get(reference_of(child)) if tag_of(child) == "use" else None
         if used is not None:
@@ -98,7 +98,7 @@ def _put_in_place(element: Element, named: dict[str, Element]) -> None:
             group.set("transform", _transform(child))
             group.append(deepcopy(used))
             element[k] = child = group
-        _put_in_place(child, named)
+        _inline_uses(child, named)
 
 
 def _transform(use: Element) -> str:
@@ -117,9 +117,9 @@ def _is_plain(path: Element) -> bool:
     )
 
 
-def _drawing(place: Sequence[Element], path: Element, named: dict[str, Element]) -> bytes:
-    """A drawing that fills a path in the place of the last of these elements, from the root."""
-    root, *inner = place
+def _clip_drawing(ancestors: Sequence[Element], path: Element, named: dict[str, Element]) -> bytes:
+    """A drawing that fills a path in place of the last of these elements, from the root."""
+    root, *inner = ancestors
     drawing = Element(root.tag, {k: v for k, v in root.attrib.items() if k in _PLACING})
     at = drawing
     for element in inner:
@@ -139,7 +139,7 @@ def _drawing(place: Sequence[Element], path: Element, named: dict[str, Element])
 def _fill_element(
     element: Element, rule: str, named: dict[str, Element], depth: int
 ) -> Sequence[Element]:
-    """An element of a clip path as it is filled; a use as what it is of."""
+    """An element of a clip path, filled; a use is replaced by its target."""
     if tag_of(element) == "clipPath" or depth > _MOST:
         return ()
     rule = _rule_of(element) or rule
@@ -148,7 +148,7 @@ def _fill_element(
     )
     if hidden:
         return ()
-    kept = {k: v for k, v in element.attrib.items() if k not in _LOOKS}
+    attributes = {k: v for k, v in element.attrib.items() if k not in _LOOKS}
     if tag_of(element) == "use":
         used = named.get(reference_of(element))
         if used is None:
@@ -156,7 +156,7 @@ def _fill_element(
         group = Element(tag_like(element, "g"), {"transform": _transform(element)})
         group.extend(_fill_element(used, rule, named, depth + 1))
         return (group,)
-    copy = Element(element.tag, {**kept, "fill": "#000", "stroke": "none"})
+    copy = Element(element.tag, {**attributes, "fill": "#000", "stroke": "none"})
     if rule:
         copy.set("fill-rule", rule)
     for child in element:
@@ -170,7 +170,7 @@ def _rule_of(element: Element) -> str:
 
 
 def elements_by_id(root: Element) -> dict[str, Element]:
-    """The elements of a drawing that have an id, by it."""
+    """Elements of a drawing by id."""
     return {key: element for element in root.iter() if (key := element.get("id"))}
 
 

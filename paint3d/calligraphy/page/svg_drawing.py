@@ -54,10 +54,10 @@ from paint3d.errors import InputError, Message
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["check_numbers", "check_svg", "in_place", "load_svg", "svg_shape"]
+__all__ = ["load_svg", "svg_shape"]
 
 # ---- Numbers -------------------------------------------------------------------------------------
-# Whether the numbers of a drawing's shapes are numbers: what is none is named, not painted over.
+# The numbers of a drawing's shapes are checked: what is none is named, not painted over.
 #
 # Where a width is "nan" or a path breaks off, viewers leave the element out or draw half of it,
 # each as it likes (SVG 1.1, appendix F.2 only asks that the document be said to be in error).
@@ -66,23 +66,25 @@ __all__ = ["check_numbers", "check_svg", "in_place", "load_svg", "svg_shape"]
 _TAGS = (*SHAPES, "a", "g", "svg", "switch", "symbol", "use")
 _NAMESPACES = ("", "{http://www.w3.org/2000/svg}")
 _SIZE_NAMES = ("width", "height", "r", "stroke-width")
-_SHARES = ("opacity", "fill-opacity", "stroke-opacity")
-_LENGTHS = (*_SIZE_NAMES, *_SHARES, "x", "y", "rx", "ry", "cx", "cy", "x1", "y1", "x2", "y2")
-_STYLED = ("stroke-width", *_SHARES)
+_FRACTIONS = ("opacity", "fill-opacity", "stroke-opacity")
+_LENGTHS = (*_SIZE_NAMES, *_FRACTIONS, "x", "y", "rx", "ry", "cx", "cy", "x1", "y1", "x2", "y2")
+_STYLED = ("stroke-width", *_FRACTIONS)
 _KEYWORDS = ("auto", "inherit", "initial", "unset", "revert", "none", "medium")
 _UNITS = r"(?:px|pt|pc|mm|cm|in|em|ex|rem|ch|q|vw|vh|vmin|vmax|%)?"
+# Possessive quantifiers (++, *+, ?+): on a stranger's megabytes a match must not backtrack.
 _NUMBER = re.compile(r"[+-]?(?:\d++\.?+\d*+|\.\d++)(?:e[+-]?\d++)?+", re.IGNORECASE)
 _LENGTH = re.compile(rf"({_NUMBER.pattern})\s*{_UNITS}", re.IGNORECASE)
 _ANGLE = rf"{_NUMBER.pattern}(?:px|pt|pc|mm|cm|in|deg|rad|grad|turn|%)?"
-_TRANSFORM = re.compile(
+_TRANSFORM = re.compile(  # one call; a sign or point may stand for the comma: rotate(1-2.5.5)
     rf"(?:matrix|translate|translatex|translatey|scale|scalex|scaley|rotate|skew|skewx|skewy)\s*"
     rf"\(\s*{_ANGLE}(?:[\s,]+{_ANGLE}|(?=[+.-]){_ANGLE})*\s*\)",
     re.IGNORECASE,
 )
+# Only a number with an exponent is checked for overflow: 1e999 is infinite as a float.
 _EXPONENT = re.compile(r"[+-]?(?:\d++\.?\d*+|\.\d++)e[+-]?\d++", re.IGNORECASE)
 _POINTS = re.compile(rf"(?:[\s,]++|{_NUMBER.pattern})*+", re.IGNORECASE)
-_WAY = re.compile(rf"(?:[\s,MZLHVCSQTA]++|{_NUMBER.pattern})*+", re.IGNORECASE)
-_SIGNED = re.compile("([MZLHVCSQTA])", re.IGNORECASE)
+_PATH_DATA = re.compile(rf"(?:[\s,MZLHVCSQTA]++|{_NUMBER.pattern})*+", re.IGNORECASE)
+_SIGNED = re.compile("([MZLHVCSQTA])", re.IGNORECASE)  # splits path data by its commands
 _COUNTS = {"M": 2, "L": 2, "H": 1, "V": 1, "C": 6, "S": 4, "Q": 4, "T": 2, "A": 7, "Z": 0}
 _VIEWS = ("svg", "symbol")
 _ALIGNED = re.compile(
@@ -94,7 +96,7 @@ _ARCS = re.compile(  # whose flags may stand before other numbers without anythi
     re.IGNORECASE,
 )
 _IMPORTANT = re.compile(r"!\s*important\s*$", re.IGNORECASE)
-_CALLS = re.compile(r"\b(?:var|calc|env|min|max|clamp)\(", re.IGNORECASE)
+_CALLS = re.compile(r"\b(?:var|calc|env|min|max|clamp)\(", re.IGNORECASE)  # not evaluated here
 _DECLARED = re.compile(rf"(?:^|[;{{\s])({'|'.join(_STYLED)})\s*:\s*([^;}}]*)", re.IGNORECASE)
 _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _SHOWN = 24
@@ -102,8 +104,8 @@ _VIEW = Message("four numbers, the last two of them, its width and height, above
 _ALIGNMENT = Message("none, or xMidYMid and its like, and meet or slice")
 
 
-def check_numbers(root: ElementTree.Element, name: str) -> None:
-    """Refuse a drawing of whose shapes a number is none.
+def _check_numbers(root: ElementTree.Element, name: str) -> None:
+    """Refuse a drawing if a number of its shapes is malformed or not finite.
 
     Parameters
     ----------
@@ -125,7 +127,7 @@ def check_numbers(root: ElementTree.Element, name: str) -> None:
         if tag == "style":
             faults = _faults_of_style(element.text or "")
         elif tag in _TAGS:
-            faults = _faults(element, tag)
+            faults = _find_faults(element, tag)
         else:
             continue
         for fault in faults:
@@ -134,8 +136,8 @@ def check_numbers(root: ElementTree.Element, name: str) -> None:
             raise InputError("{name}: {called}: {fault}", name=name, called=called, fault=fault)
 
 
-def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
-    """Attribute of an element that is no number, and what was expected."""
+def _find_faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
+    """Yield a message for each attribute that is no number, with what was expected."""
     for attribute, text in element.attrib.items():
         value = text.strip()
         if not value:
@@ -160,7 +162,7 @@ def _faults(element: ElementTree.Element, tag: str) -> Iterator[Message]:
             yield from _faults_of_list(attribute, value, _POINTS, Message("finite numbers"))
         elif attribute == "d" and tag == "path" and value.lower() not in _KEYWORDS:
             yield from _faults_of_list(
-                attribute, value, _WAY, Message("commands of paths, finite numbers")
+                attribute, value, _PATH_DATA, Message("commands of paths, finite numbers")
             )
             yield from _faults_of_path(value)
 
@@ -193,7 +195,7 @@ def _fault_within(attribute: str, part: str, wanted: Message) -> Message:
 
 
 def _faults_of_style(text: str) -> Iterator[Message]:
-    """Faults of the lengths and shares among a style's declarations."""
+    """Yield the faults of the lengths and fractions among a style's declarations."""
     for declared in _DECLARED.finditer(_COMMENT.sub(" ", text)):
         attribute, value = declared[1].lower(), _IMPORTANT.sub("", declared[2]).strip()
         wanted = _fault_of_length(attribute, value) if value else None
@@ -202,14 +204,14 @@ def _faults_of_style(text: str) -> Iterator[Message]:
 
 
 def _fault_of_length(attribute: str, value: str) -> Message | None:
-    """Words for what was expected of a length or share that is none; None where it is one."""
+    """The value expected for a malformed length or fraction; None of a well formed one."""
     if value.lower() in _KEYWORDS or _CALLS.match(value):
         return None
-    found = _LENGTH.fullmatch(value)
-    expected = Message("a number") if attribute in _SHARES else Message("a length")
-    if found is None or not math.isfinite(float(found[1])):
+    match = _LENGTH.fullmatch(value)
+    expected = Message("a number") if attribute in _FRACTIONS else Message("a length")
+    if match is None or not math.isfinite(float(match[1])):
         return expected
-    if attribute in _SIZE_NAMES and float(found[1]) < 0:
+    if attribute in _SIZE_NAMES and float(match[1]) < 0:
         return Message("{what}, not less than 0", what=expected)
     return None
 
@@ -220,7 +222,7 @@ def _faults_of_list(
     """Fault of a list: its first word that is neither a finite number nor known."""
     good = words.match(text)
     end = good.end() if good else 0
-    numbers = (found[0] for found in _EXPONENT.finditer(text, 0, end))
+    numbers = (match[0] for match in _EXPONENT.finditer(text, 0, end))
     bad = next((number for number in numbers if not math.isfinite(float(number))), "")
     bad = bad or re.split(r"[\s,]", text[end : end + _SHOWN])[0]
     if bad:
@@ -228,7 +230,7 @@ def _faults_of_list(
 
 
 def _faults_of_path(text: str) -> Iterator[Message]:
-    """Place at which a path of good words breaks off, or does not begin."""
+    """Yield a fault where a path of good words breaks off, or does not begin."""
     before, *parts = _SIGNED.split(text)
     if before.strip() or parts[0] not in "Mm":
         yield _fault_within("d", text, Message("M first"))
@@ -256,10 +258,11 @@ def _find_infinite(call: re.Match[str]) -> str:
 
 _MOST_DEPTH = 200
 _MOST_ELEMENTS = 100_000
+# A reference to another file or page: url(...) but for url(#id), or @import.
 _OUTSIDE = re.compile(r"""url\(\s*['"]?(?!['"]?\s*#)([^)'"]*)|@import\s+([^;]*)""", re.IGNORECASE)
 
 
-def check_svg(data: bytes, name: str) -> ElementTree.Element:
+def _check_svg(data: bytes, name: str) -> ElementTree.Element:
     """Refuse an SVG from strangers that declares entities, refers outside of itself, or explodes.
 
     Parameters
@@ -302,7 +305,7 @@ def check_svg(data: bytes, name: str) -> ElementTree.Element:
             outside = _OUTSIDE.search(text)
             if outside:
                 raise _external_references(name, outside[1] or outside[2])
-    _count(root, name)
+    _check_size(root, name)
     return root
 
 
@@ -315,7 +318,7 @@ def _external_references(name: str, reference: str) -> InputError:
     )
 
 
-def _count(root: ElementTree.Element, name: str) -> None:
+def _check_size(root: ElementTree.Element, name: str) -> None:
     """Refuse a drawing with too many elements once what it uses stands in its place."""
     named = elements_by_id(root)
     sizes: dict[ElementTree.Element, int] = {}
@@ -363,8 +366,8 @@ _NOT_DRAWN = ("marker", "mask", "symbol")
 _SIZES, _PLACE = ("width", "height"), ("x", "y")
 
 
-def in_place(root: Element) -> Element:
-    """A drawing whose symbols stand where they are used.
+def _inline_symbols(root: Element) -> Element:
+    """Resolve a drawing's symbols and nested drawings where they are used.
 
     Parameters
     ----------
@@ -404,7 +407,7 @@ def _used_element(use: Element, named: dict[str, Element]) -> Element | None:
 
 def _drawing_at(use: Element, used: Element) -> Element:
     """A use that holds its symbol as a drawing as large as it says."""
-    place = _copy_without(use, (*HREFS, *_SIZES))
+    use_copy = _copy_without(use, (*HREFS, *_SIZES))
     drawing = deepcopy(used)
     drawing.tag, drawing.tail = tag_like(use, "svg"), None
     for key in _SIZES:
@@ -412,18 +415,18 @@ def _drawing_at(use: Element, used: Element) -> Element:
         if asked:
             drawing.set(key, asked)
     if drawing.get("viewBox") and not any(map(drawing.get, _PLACE)):
-        for key in _PLACE:  # of shares of the view that the use is in
-            drawing.set(key, place.attrib.pop(key, "0"))
-    place.append(drawing)
-    return place
+        for key in _PLACE:  # of fractions of the view that the use is in
+            drawing.set(key, use_copy.attrib.pop(key, "0"))
+    use_copy.append(drawing)
+    return use_copy
 
 
 def _translate(drawing: Element) -> Element:
-    """A drawing without a viewBox, at its place."""
-    place = Element(tag_like(drawing, "use"), {key: drawing.get(key) or "0" for key in _PLACE})
-    place.append(_copy_without(drawing, _PLACE))
-    place[0].extend(drawing)
-    return place
+    """A drawing without a viewBox, as the use of one at its x and y."""
+    use = Element(tag_like(drawing, "use"), {key: drawing.get(key) or "0" for key in _PLACE})
+    use.append(_copy_without(drawing, _PLACE))
+    use[0].extend(drawing)
+    return use
 
 
 def _copy_without(element: Element, attributes: tuple[str, ...]) -> Element:
@@ -444,14 +447,14 @@ _CAPS = {"round": "round", "square": "square"}
 _JOINS = {"round": "round", "bevel": "bevel"}
 _NOT_PAINTED = ("text", "image", "mask", "foreignObject")
 _UNEVEN = ("linearGradient", "radialGradient", "meshgradient", "pattern")
-_PAINTS = re.compile(r"""url\(\s*['"]?#([^'")]+)""")
-_PAINT = re.compile(rf"""{_PAINTS.pattern}['"]?\s*\)([^;]*)""")
+_PAINTS = re.compile(r"""url\(\s*['"]?#([^'")]+)""")  # the id of a gradient or pattern
+_PAINT = re.compile(rf"""{_PAINTS.pattern}['"]?\s*\)([^;]*)""")  # and the fallback after it
 _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
 class _Ink:
-    """One element's fill or stroke, in the drawing's unit, y downwards."""
+    """The fill or stroke of an element, in the drawing's unit, y downwards."""
 
     name: str
     shape: MultiPolygon
@@ -477,7 +480,7 @@ def load_svg(file: Path | str, ids: Sequence[str] = ()) -> Page:
     """
     inks = _inks_of(file, ids)
     name = Path(file).name
-    pieces = _pieces(inks)
+    pieces = _make_pieces(inks)
     if not pieces:
         raise InputError("{file}: nothing but hairlines; expected shapes to fill", file=file)
     return Page(pieces, name, f"Drawing: {name}")
@@ -511,9 +514,9 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
             n=len(data),
             most=_MOST_BYTES,
         )
-    root = check_svg(data, path.name)
-    check_numbers(root, path.name)
-    placed = in_place(root)
+    root = _check_svg(data, path.name)
+    _check_numbers(root, path.name)
+    placed = _inline_symbols(root)
     in_numbers(placed)
     _resolve_paints(placed, {element.get("id") for element in root.iter()})
     paths, others = mark_clipped(placed)
@@ -538,7 +541,7 @@ def _inks_of(file: Path | str, ids: Sequence[str]) -> list[_Ink]:
 
 
 def _resolve_paints(root: Element, names: set[str | None]) -> None:
-    """Give what refers to a paint that is not there the colour that it names instead, or none.
+    """Replace references to missing paints by their fallback colour, or none.
 
     The package takes any reference for black.
     """
@@ -546,7 +549,7 @@ def _resolve_paints(root: Element, names: set[str | None]) -> None:
         for key in ("fill", "stroke", "style"):
             if "url(" in element.get(key, ""):
                 text = _PAINT.sub(
-                    lambda found: found[0] if found[1] in names else found[2].strip() or "none",
+                    lambda match: match[0] if match[1] in names else match[2].strip() or "none",
                     element.get(key, ""),
                 )
                 element.set(key, text)
@@ -562,14 +565,14 @@ def _is_used(tag: str, root: Element) -> bool:
 
 
 class _Clips:
-    """The shapes that clip paths leave, each read when it is first asked for."""
+    """Shapes of clip paths, read on first use."""
 
     def __init__(self, paths: list[bytes], name: str) -> None:
         self._paths, self._name = paths, name
         self._shapes: dict[int, MultiPolygon] = {}
 
     def cut(self, ink: _Ink, shape: Any) -> _Ink | None:
-        """An ink of a shape of the package's, where nothing clips it; None if that is nowhere."""
+        """An ink clipped to its clip paths; None if nothing is left."""
         for number in map(int, shape.values.get(CLIPS, "").split()):
             left = as_multipolygon(ink.shape.intersection(self._clip_remainder(number)))
             if left.is_empty:
@@ -602,9 +605,9 @@ def _read_inks(
             "{name}: cannot be read ({cause}); expected SVG", name=name, cause=cause
         ) from None
     shapes = list(_choose_shapes(document, set(ids), not ids, svg))
-    missing = [one for one in ids if one not in _names(document, svg)]
+    missing = [one for one in ids if one not in _ids_below(document, svg)]
     if missing:
-        known = ", ".join(sorted(_names(document, svg))[:12]) or "none"
+        known = ", ".join(sorted(_ids_below(document, svg))[:12]) or "none"
         raise InputError(
             "{name}: no id {missing}; it has {known}",
             name=name,
@@ -632,10 +635,10 @@ def _read_inks(
             )
         for points, _ in lines:  # the boxes of some curves are too small
             _check_reach(name, points)
-        for ink in _inks(lines, one, label):
-            kept = ink if clips is None else clips.cut(ink, one.shape)
-            if kept is not None:
-                yield kept
+        for ink in _inks_of_element(lines, one, label):
+            clipped = ink if clips is None else clips.cut(ink, one.shape)
+            if clipped is not None:
+                yield clipped
 
 
 @dataclass(frozen=True, eq=False)
@@ -667,7 +670,7 @@ class _Drawn:
         """Its lines (N, 2), and whether they are closed; the drawing's unit, y downwards."""
         turn = self.shape.transform
         stretch = max(float(np.hypot(turn.a, turn.b)), float(np.hypot(turn.c, turn.d)), 1e-12)
-        written = _subpaths(self.segments, flatness / (np.sqrt(2.0) * stretch), svg)
+        written = _flatten_subpaths(self.segments, flatness / (np.sqrt(2.0) * stretch), svg)
         return [(self._translate(points), closed) for points, closed in written]
 
     def _translate(self, points: AnyArray) -> AnyArray:
@@ -701,23 +704,23 @@ def _choose_shapes(element: Any, ids: set[str], taken: bool, svg: Any) -> Iterat
             yield from _choose_shapes(child, ids, taken, svg)
 
 
-def _names(element: Any, svg: Any) -> set[str]:
+def _ids_below(element: Any, svg: Any) -> set[str]:
     """All ids at and below an element."""
     names = {element.values.get("id")} - {None}
     if isinstance(element, svg.Group | svg.Use) and not isinstance(element, svg.Shape):
         for child in element:
-            names |= _names(child, svg)
+            names |= _ids_below(child, svg)
     return names
 
 
-def _subpaths(
+def _flatten_subpaths(
     segments: Sequence[Any], flatness: float, svg: Any
 ) -> Iterator[tuple[AnyArray, bool]]:
-    """Every line of segments as points (N, 2), and whether it is closed; a dot may be one point."""
+    """Yield each subpath as points (N, 2), and whether it is closed; a dot may be one point."""
     points: list[AnyArray] = []
     controls: AnyArray = np.empty((0, 2))  # of the segment before
     for segment, before in zip(segments, (None, *segments), strict=False):
-        controls = _controls(segment, controls)
+        controls = _control_points(segment, controls)
         if isinstance(segment, svg.Move):
             if len(points) > 1:
                 yield np.array(points), False
@@ -727,27 +730,27 @@ def _subpaths(
                 yield _open_ring(np.array(points)), True
             points = points[:1]
         else:
-            points.extend(_segment(segment, controls, flatness, svg))
+            points.extend(_flatten_segment(segment, controls, flatness, svg))
     if len(points) > 1:
         yield np.array(points), False
 
 
-def _controls(segment: Any, before: AnyArray) -> AnyArray:
+def _control_points(segment: Any, before: AnyArray) -> AnyArray:
     """The control points (0..4, 2) of a segment, its ends among them; an arc has none but these.
 
     Of a smooth curve the first mirrors the last of the curve before, if it is one of its kind (SVG
     1.1, 8.3.6 and 8.3.7), which the package does after any curve.
     """
     names = ("start", "control", "control1", "control2", "end")
-    found = [_point(p) for name in names if (p := getattr(segment, name, None)) is not None]
-    controls = np.array(found).reshape(-1, 2)
+    points = [_point(p) for name in names if (p := getattr(segment, name, None)) is not None]
+    controls = np.array(points).reshape(-1, 2)
     if len(controls) > 2 and getattr(segment, "smooth", False):
         mirrors = len(before) == len(controls)
         controls[1] = 2.0 * controls[0] - before[-2] if mirrors else controls[0]
     return controls
 
 
-def _segment(segment: Any, controls: AnyArray, flatness: float, svg: Any) -> AnyArray:
+def _flatten_segment(segment: Any, controls: AnyArray, flatness: float, svg: Any) -> AnyArray:
     """Points of a segment after its start."""
     if isinstance(segment, svg.Arc):
         radius = max(abs(segment.rx), abs(segment.ry), 1e-12)
@@ -767,8 +770,10 @@ def _open_ring(points: AnyArray) -> AnyArray:
     return np.array(points[:-1] if closes else points)
 
 
-def _inks(lines: list[tuple[AnyArray, bool]], drawn: _Drawn, name: str) -> Iterator[_Ink]:
-    """Shapes that an element fills and strokes; white covers what was there before."""
+def _inks_of_element(
+    lines: list[tuple[AnyArray, bool]], drawn: _Drawn, name: str
+) -> Iterator[_Ink]:
+    """Yield the shapes that an element fills and strokes; white covers earlier ones."""
     from shapely import LineString, Point
 
     shape, width = drawn.shape, drawn.width
@@ -822,7 +827,7 @@ def _cover_by_white(inks: Sequence[_Ink]) -> list[_Ink]:
 # -- strokes ------------------------------------------------------------------------------------
 
 
-def _pieces(inks: Sequence[_Ink]) -> tuple[Piece, ...]:
+def _make_pieces(inks: Sequence[_Ink]) -> tuple[Piece, ...]:
     """The inks' strokes in glyph units, those whose boxes overlap together."""
     from shapely import transform
 
@@ -845,7 +850,7 @@ def _pieces(inks: Sequence[_Ink]) -> tuple[Piece, ...]:
     ]
     pieces = []
     for run, box in _runs(scaled):
-        strokes = tuple(stroke for ink in run for stroke in _strokes(ink))
+        strokes = tuple(stroke for ink in run for stroke in _make_strokes(ink))
         if strokes:
             solid = any(ink.line is None for ink in run)
             glyph = Glyph(run[0].name, strokes, box, solid)
@@ -885,7 +890,7 @@ def _overlap(group: Sequence[_Ink], ink: _Ink) -> bool:
     return bool(across and one[1] < two[3] and two[1] < one[3])
 
 
-def _strokes(ink: _Ink) -> list[GlyphStroke]:
+def _make_strokes(ink: _Ink) -> list[GlyphStroke]:
     """The strokes of an ink, what is wider than the brush in bands."""
     if ink.line is None:
         taken = _decompose_ink(ink)
@@ -924,12 +929,12 @@ def _fill_bands(ink: _Ink, taken: Sequence[GlyphStroke]) -> list[GlyphStroke]:
 
 
 def _extend_closed(ink: _Ink) -> AnyArray:
-    """The line of a stroke; one that closes is led over its start by half its width."""
+    """Centre line of a stroke; a closed one overlaps its start by half its width."""
     assert ink.line is not None
     if not ink.closed:
         return ink.line
-    way = arc_lengths(ink.line)
-    after = np.flatnonzero((way > 0.0) & (way < 0.5 * ink.width))
-    last = interpolate([0.5 * ink.width], way, ink.line)
+    along = arc_lengths(ink.line)
+    after = np.flatnonzero((along > 0.0) & (along < 0.5 * ink.width))
+    last = interpolate([0.5 * ink.width], along, ink.line)
     result: AnyArray = np.concatenate([ink.line, ink.line[after], last])
     return result

@@ -34,7 +34,7 @@ _VIEWS = ("svg",)
 _COUNTED = (*SHAPES, *_VIEWS, "g", "a", "use", "switch", "clipPath", "defs")
 
 
-class _Place(NamedTuple):
+class _Context(NamedTuple):
     """The view that an element is in, and its font's size, in numbers of the drawing."""
 
     width: float
@@ -53,53 +53,53 @@ def in_numbers(root: Element) -> None:
     """
     font = _font_size(root, _MEDIUM, _MEDIUM)
     sides = _view_of(root, _SIDE, _SIDE, font)
-    place = _Place(*sides, font, (*sides, font))
-    stack = [(child, place) for child in root]
+    context = _Context(*sides, font, (*sides, font))
+    stack = [(child, context) for child in root]
     while stack:
-        element, place = stack.pop()
+        element, context = stack.pop()
         tag = tag_of(element)
         if tag not in _COUNTED:
             continue
-        place = place._replace(font=_font_size(element, place.font, place.root[2]))
+        context = context._replace(font=_font_size(element, context.font, context.root[2]))
         for names in (_ACROSS, _DOWN, _DIAGONAL):
             for name in names:
                 if name in element.attrib:
-                    element.set(name, _resolve_length(element.get(name, ""), name, place))
+                    element.set(name, _resolve_length(element.get(name, ""), name, context))
         if "style" in element.attrib:
-            element.set("style", _resolve_width(element.get("style", ""), place))
+            element.set("style", _resolve_width(element.get("style", ""), context))
         if tag in _VIEWS:
-            width, height = _view_of(element, place.width, place.height, place.font)
-            place = place._replace(width=width, height=height)
-        stack += [(child, place) for child in element]
+            width, height = _view_of(element, context.width, context.height, context.font)
+            context = context._replace(width=width, height=height)
+        stack += [(child, context) for child in element]
 
 
-def _resolve_width(style: str, place: _Place) -> str:
+def _resolve_width(style: str, context: _Context) -> str:
     """A style whose width of strokes is a number, if it was a relative one."""
     return _STYLED.sub(
-        lambda found: found[1] + _resolve_length(found[2], "stroke-width", place), style
+        lambda match: match[1] + _resolve_length(match[2], "stroke-width", context), style
     )
 
 
-def _resolve_length(text: str, name: str, place: _Place) -> str:
+def _resolve_length(text: str, name: str, context: _Context) -> str:
     """A length as a number, if it is a relative one; as it is where not."""
-    found = _LENGTH.fullmatch(text)
-    unit = found[2].lower() if found else ""
-    if found is None or unit in _PIXELS:
+    match = _LENGTH.fullmatch(text)
+    unit = match[2].lower() if match else ""
+    if match is None or unit in _PIXELS:
         return text
-    number = float(found[1])
-    share = _unit_length(unit, name, place)
-    return text if share is None else repr(number * share)
+    number = float(match[1])
+    unit_length = _unit_length(unit, name, context)
+    return text if unit_length is None else repr(number * unit_length)
 
 
-def _unit_length(unit: str, name: str, place: _Place) -> float | None:
+def _unit_length(unit: str, name: str, context: _Context) -> float | None:
     """Length of 1 of a relative unit."""
     if unit == "%":
-        return 0.01 * _reference_side(name, place.width, place.height)
-    width, height, font = place.root
+        return 0.01 * _reference_side(name, context.width, context.height)
+    width, height, font = context.root
     return {
-        "em": place.font,
-        "ex": 0.5 * place.font,
-        "ch": 0.5 * place.font,
+        "em": context.font,
+        "ex": 0.5 * context.font,
+        "ch": 0.5 * context.font,
         "rem": font,
         "vw": 0.01 * width,
         "vh": 0.01 * height,
@@ -121,9 +121,9 @@ def _view_of(element: Element, width: float, height: float, font: float) -> tupl
         return float(words[2]), float(words[3])
     sides = []
     for name, whole in (("width", width), ("height", height)):
-        found = _LENGTH.fullmatch(element.get(name, "100%"))
-        unit = found[2].lower() if found else ""
-        number = float(found[1]) if found else 0.0
+        match = _LENGTH.fullmatch(element.get(name, "100%"))
+        unit = match[2].lower() if match else ""
+        number = float(match[1]) if match else 0.0
         factor = {"%": 0.01 * whole, "em": font, "ex": 0.5 * font}.get(unit, _PIXELS.get(unit))
         sides.append(number * factor if factor is not None and number > 0.0 else whole)
     return sides[0], sides[1]
@@ -136,9 +136,9 @@ def _font_size(element: Element, inherited: float, root: float) -> float:
         return _MEDIUM * _SIZES[text]
     if text in _STEPS:
         return inherited * _STEPS[text]
-    found = _LENGTH.fullmatch(text)
-    if found is None:
+    match = _LENGTH.fullmatch(text)
+    if match is None:
         return inherited
     factor = {"%": 0.01 * inherited, "em": inherited, "ex": 0.5 * inherited, "rem": root}
-    size = float(found[1]) * factor.get(found[2], _PIXELS.get(found[2], 0.0))
+    size = float(match[1]) * factor.get(match[2], _PIXELS.get(match[2], 0.0))
     return size if size > 0.0 else inherited

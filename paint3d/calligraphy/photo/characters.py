@@ -50,7 +50,7 @@ class Character:
 def characters_of(
     parts: Sequence[Polygon], width: float, lines: Sequence[str] = (), *, columns: bool = True
 ) -> list[Character]:
-    """Put the connected inks of a sheet into characters, in the order of reading.
+    """Group the connected inks of a sheet into characters, in reading order.
 
     Parameters
     ----------
@@ -82,12 +82,12 @@ def characters_of(
     boxes = np.array([part.bounds for part in parts])
     if not columns:
         boxes = boxes[:, [1, 0, 3, 2]]
-    found = _boxes_in_lines(boxes, list(lines), columns)
+    boxes_of = _boxes_in_lines(boxes, list(lines), columns)
     text = "".join(lines)
-    return [_character(text[k], [parts[i] for i in found[k]]) for k in range(n)]
+    return [_make_character(text[k], [parts[i] for i in boxes_of[k]]) for k in range(n)]
 
 
-def _character(text: str, parts: Sequence[Polygon]) -> Character:
+def _make_character(text: str, parts: Sequence[Polygon]) -> Character:
     import shapely
 
     return Character(text, shapely.MultiPolygon(parts))
@@ -97,12 +97,12 @@ def _character(text: str, parts: Sequence[Polygon]) -> Character:
 
 
 def _group_by_gaps(parts: Sequence[Polygon], width: float, columns: bool) -> list[Character]:
-    """Inks whose boxes overlap or are near each other are one; small ones join the nearest."""
+    """Group inks whose boxes overlap or are near each other; small ones join the nearest."""
     boxes = np.array([part.bounds for part in parts])
     groups = [[k] for k in range(len(parts))]
     near = _APART * width
     spans = boxes
-    gaps, grown = _gaps(spans, spans), _joined_sides(spans, spans)
+    gaps, grown = _box_gaps(spans, spans), _joined_sides(spans, spans)
     np.fill_diagonal(gaps, np.inf)
     while len(groups) > 1:
         sizes = np.maximum(spans[:, 2] - spans[:, 0], spans[:, 3] - spans[:, 1])
@@ -119,19 +119,19 @@ def _group_by_gaps(parts: Sequence[Polygon], width: float, columns: bool) -> lis
             np.delete(spans, j, 0), _drop_row(gaps, j), _drop_row(grown, j)
         )  # fmt: skip
         spans[i] = _bound_boxes(boxes[groups[i]])
-        gaps[i] = gaps[:, i] = _gaps(spans[i : i + 1], spans)
+        gaps[i] = gaps[:, i] = _box_gaps(spans[i : i + 1], spans)
         grown[i] = grown[:, i] = _joined_sides(spans[i : i + 1], spans)
         gaps[i, i] = np.inf
     spans = np.array([_bound_boxes(boxes[group]) for group in groups])
     order = _reading_order(spans, columns)
-    return [_character(str(n + 1), [parts[i] for i in groups[k]]) for n, k in enumerate(order)]
+    return [_make_character(str(n + 1), [parts[i] for i in groups[k]]) for n, k in enumerate(order)]
 
 
 def _bound_boxes(boxes: AnyArray) -> NDArray[np.float64]:
     return np.concatenate([boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)])
 
 
-def _gaps(spans: AnyArray, others: AnyArray) -> NDArray[np.float64]:
+def _box_gaps(spans: AnyArray, others: AnyArray) -> NDArray[np.float64]:
     """Distances of boxes from others: (K, L); negative where they overlap."""
     low, high = spans[:, None, :2], spans[:, None, 2:]
     apart = np.maximum(low - others[None, :, 2:], others[None, :, :2] - high)
@@ -185,13 +185,13 @@ def _boxes_in_lines(boxes: AnyArray, lines: list[str], columns: bool) -> list[li
         bounds = bounds[::-1]
     if len(lines) == 1 and len(bounds) > 1:
         counts = _count_by_length(boxes, bounds, counts[0])
-    found: list[list[int]] = []
+    groups: list[list[int]] = []
     if len(bounds) != len(counts):
         bounds = [(-math.inf, math.inf)]
     for (left, right), n in zip(bounds, counts, strict=True):
         mine = np.flatnonzero((across >= left) & (across < right))
-        found += _cut_line(boxes, mine, n)
-    return found
+        groups += _cut_line(boxes, mine, n)
+    return groups
 
 
 def _line_spans(boxes: AnyArray, most: int) -> list[tuple[float, float]]:
@@ -253,7 +253,7 @@ def _cut_line(boxes: AnyArray, mine: AnyArray, n: int) -> list[list[int]]:
 
 
 def _find_cuts(spans: AnyArray, n: int) -> NDArray[np.float64]:
-    """Places (n + 1,) that part inks with spans (K, 2) into n, evenly and crossing few.
+    """Positions (n + 1,) that part inks with spans (K, 2) into n, evenly and crossing few.
 
     The least of what the cuts cross and of how uneven the parts are, by dynamic programming.
     """
@@ -262,11 +262,11 @@ def _find_cuts(spans: AnyArray, n: int) -> NDArray[np.float64]:
     longest = max(float((spans[:, 1] - spans[:, 0]).max()), 1e-9)
     inside = np.minimum(grid[:, None] - spans[:, 0], spans[:, 1] - grid[:, None])
     crossed = np.clip(inside, 0.0, None).sum(axis=1) / longest
-    share = (high - low) / n
+    length = (high - low) / n
     best = np.full((n + 1, len(grid)), np.inf)
     came = np.zeros((n + 1, len(grid)), int)
     best[0, 0] = 0.0
-    uneven = _UNEVEN * (np.subtract.outer(grid, grid) / share - 1.0) ** 2  # [end, start]
+    uneven = _UNEVEN * (np.subtract.outer(grid, grid) / length - 1.0) ** 2  # [end, start]
     uneven[np.triu_indices(len(grid))] = np.inf
     for k in range(1, n + 1):
         total = best[k - 1][None] + uneven + crossed[:, None] * (k < n)

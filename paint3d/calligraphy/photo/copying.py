@@ -1,7 +1,8 @@
-"""From a photograph to a page of strokes: the one way through the steps.
+"""From a photograph to a page of strokes: the steps in order.
 
-The sheet is found and laid flat, its light taken out, black ink told from red; the ink's shape is
-taken apart into strokes as a font's is, and along each it is measured how dry the brush was.
+The sheet is found and laid flat, its light taken out, black ink separated from red; the ink's
+shape is taken apart into strokes as a font's is, and along each it is measured how dry the brush
+was.
 """
 
 from __future__ import annotations
@@ -30,18 +31,18 @@ from paint3d.calligraphy.photo.ink_mask import (
     InkMask,
     find_carved,
     find_ink,
+    invert_rubbing,
     polygons_in,
-    rubbed,
-    unmixed,
+    unmix_inks,
 )
 from paint3d.calligraphy.photo.sheet import (
+    check_corners,
     check_exposure,
     check_ground,
-    checked_corners,
     find_sheets,
-    flattened,
+    remove_light,
     sheet_size,
-    straightened,
+    straighten,
     white_on_dark,
     whole_picture,
 )
@@ -54,7 +55,14 @@ from paint3d.errors import InputError, Message
 if TYPE_CHECKING:
     from shapely import MultiPolygon
 
-__all__ = ["Asked", "CopiedSheet", "SheetPicture", "check_widths", "copy_sheet", "seen_again"]
+__all__ = [
+    "Asked",
+    "CopiedSheet",
+    "SheetPicture",
+    "check_widths",
+    "copy_sheet",
+    "find_photographed_sheet",
+]
 
 _LONGEST = 1600  # pixels of the straightened sheet
 _MOST_STROKES = 4000  # of a sheet: more take minutes to be found
@@ -178,7 +186,7 @@ def copy_sheet(
         Of the photograph, for reports.
     asked : Asked, optional
     progress : callable, optional
-        Called with the share of the ink's edge that is taken apart.
+        Called with the fraction of the ink's edge that is taken apart.
 
     Raises
     ------
@@ -187,21 +195,21 @@ def copy_sheet(
         on a sheet of writing; the message says what to do.
     """
     asked = asked or Asked()
-    corners, *others = _sheets(pixels, asked)
-    sheet = straightened(pixels, corners, sheet_size(corners, pixels.shape[:2], _LONGEST))
-    reflected, paper = flattened(sheet)
+    corners, *others = _find_sheets(pixels, asked)
+    sheet = straighten(pixels, corners, sheet_size(corners, pixels.shape[:2], _LONGEST))
+    reflected, paper = remove_light(sheet)
     if not asked.invert:
         check_ground(sheet)
         check_exposure(sheet, paper)
-    inks = rubbed(sheet) if asked.invert else unmixed(reflected)
+    inks = invert_rubbing(sheet) if asked.invert else unmix_inks(reflected)
     ink = (find_carved if asked.invert else find_ink)(inks.black, asked.darker)
-    found = _characters(ink, asked)
-    per_unit = _em_of(found) / EM_UNITS
+    characters = _find_characters(ink, asked)
+    per_unit = _em_of(characters) / EM_UNITS
     origin = np.array([0.0, float(sheet.shape[0])])
     pieces: list[Piece] = []
-    done = np.cumsum([one.shape.length for one in found])
-    for one, so_far in zip(found, done / done[-1], strict=True):
-        pieces.append(_piece(one, ink, asked, per_unit, origin))
+    done = np.cumsum([one.shape.length for one in characters])
+    for one, so_far in zip(characters, done / done[-1], strict=True):
+        pieces.append(_make_piece(one, ink, asked, per_unit, origin))
         if progress is not None:
             progress(float(so_far))
         if sum(len(piece.glyph.strokes) for piece in pieces) > _MOST_STROKES:
@@ -241,7 +249,7 @@ def copy_sheet(
     return replace(copied, notes=tuple(note for note in notes if note is not None))
 
 
-def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPicture:
+def find_photographed_sheet(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPicture:
     """A page of a file of strokes on the photographed sheet that they were found on.
 
     Parameters
@@ -261,35 +269,35 @@ def seen_again(page: Page, pixels: NDArray[np.uint8], scale: float) -> SheetPict
     there = page.photograph
     assert there is not None, "it was looked at"
     low, high = FlatPage(page, there.size, there.per_unit, there.origin).ink_bounds
-    room = _BESIDE * max(there.size)
-    if not ((low > -room).all() and (high < np.array(there.size[::-1]) + room).all()):
+    margin = _BESIDE * max(there.size)
+    if not ((low > -margin).all() and (high < np.array(there.size[::-1]) + margin).all()):
         raise InputError("the strokes lie beside the sheet; expected them on it")
-    corners = checked_corners(there.corners / scale, pixels.shape[:2])
-    picture = srgb_from_linear(straightened(pixels, corners, there.size))
+    corners = check_corners(there.corners / scale, pixels.shape[:2])
+    picture = srgb_from_linear(straighten(pixels, corners, there.size))
     return SheetPicture(
         page, there.size, there.per_unit, there.origin, picture=picture, corners=corners
     )
 
 
-def _characters(ink: InkMask, asked: Asked) -> list[Character]:
+def _find_characters(ink: InkMask, asked: Asked) -> list[Character]:
     """The characters on a sheet, of bits of ink that are not smaller than is asked."""
     shapes = polygons_in(ink.body, ink.width)
-    found = characters_of(shapes, ink.width, asked.lines, columns=asked.columns)
-    least = asked.least * _em_of(found) ** 2
-    kept = [shape for shape in shapes if shape.area >= least]
-    if len(kept) == len(shapes):
-        return found
-    if not kept:
+    characters = characters_of(shapes, ink.width, asked.lines, columns=asked.columns)
+    least = asked.least * _em_of(characters) ** 2
+    large_enough = [shape for shape in shapes if shape.area >= least]
+    if len(large_enough) == len(shapes):
+        return characters
+    if not large_enough:
         raise InputError(
             "all pieces of ink on the sheet are smaller than that; expected a smaller least size"
         )
-    return characters_of(kept, ink.width, asked.lines, columns=asked.columns)
+    return characters_of(large_enough, ink.width, asked.lines, columns=asked.columns)
 
 
-def _sheets(pixels: NDArray[np.uint8], asked: Asked) -> list[NDArray[np.float64]]:
+def _find_sheets(pixels: NDArray[np.uint8], asked: Asked) -> list[NDArray[np.float64]]:
     """The corners of the sheet as it is asked for, then those of others that stand out."""
     if asked.corners is not None:
-        return [checked_corners(asked.corners, pixels.shape[:2])]
+        return [check_corners(asked.corners, pixels.shape[:2])]
     if asked.whole:
         return [whole_picture(pixels)]
     try:
@@ -321,12 +329,12 @@ def _note_on_others(
 
 def _note_on_ground(sheet: NDArray[np.float32]) -> Message | None:
     """Note of a sheet that is taken for a rubbing, and is mostly white."""
-    share, _ = white_on_dark(sheet)
-    if share <= 0.5:
+    fraction, _ = white_on_dark(sheet)
+    if fraction <= 0.5:
         return None
     return Message(
         "{share:.0%} of the sheet is white, and was copied as the strokes of a rubbing",
-        share=share,
+        share=fraction,
     )
 
 
@@ -344,11 +352,11 @@ def _note_on_lost_ink(sheet: CopiedSheet) -> Message | None:
     count = partial(np.bincount, minlength=len(pieces) + 1)
     ink, bare = sheet.ink.mask, sheet.ink.mask & (owner == 0)
     near = owner[tuple(nearest)]
-    shares = count(near[bare])[1:] / np.maximum(count(near[ink])[1:], 1)
+    fractions = count(near[bare])[1:] / np.maximum(count(near[ink])[1:], 1)
     lost = [
-        f"{piece.glyph.text} ({share:.0%})"
-        for share, piece in zip(shares, pieces, strict=True)
-        if share > _LOST
+        f"{piece.glyph.text} ({fraction:.0%})"
+        for fraction, piece in zip(fractions, pieces, strict=True)
+        if fraction > _LOST
     ]
     if not lost:
         return None
@@ -359,15 +367,17 @@ def _note_on_lost_ink(sheet: CopiedSheet) -> Message | None:
     )
 
 
-def _em_of(found: Sequence[Character]) -> float:
+def _em_of(characters: Sequence[Character]) -> float:
     """Longer side of a usual character, pixels: that half of the ink is in shorter ones."""
-    one_by_one = sorted(found, key=lambda one: max(one.size))
+    one_by_one = sorted(characters, key=lambda one: max(one.size))
     ink = np.cumsum([one.shape.area for one in one_by_one])
     return float(max(one_by_one[int(np.searchsorted(ink, 0.5 * ink[-1]))].size))
 
 
-def _piece(one: Character, ink: InkMask, asked: Asked, per_unit: float, origin: AnyArray) -> Piece:
-    """One character with its strokes, which lie about the middle of its box."""
+def _make_piece(
+    one: Character, ink: InkMask, asked: Asked, per_unit: float, origin: AnyArray
+) -> Piece:
+    """Make a character with its strokes a piece, about the middle of its box."""
     import shapely
 
     shape: MultiPolygon = shapely.transform(
@@ -378,7 +388,8 @@ def _piece(one: Character, ink: InkMask, asked: Asked, per_unit: float, origin: 
     template = (asked.templates or {}).get(one.text)
     strokes = []
     for stroke in decompose(shape, template=template):
-        for part in _fill_bands(stroke):
+        parts = fill_in_bands(stroke.polygon()) if is_wide(stroke) else [stroke]
+        for part in parts:
             seen = on_sheet(part, per_unit, origin)
             dryness, _ = dryness_along(seen, ink.cover, ink.mask)
             strokes.append(replace(part, dryness=dryness))
@@ -415,14 +426,9 @@ def _set_strengths(
     return strong
 
 
-def _round_strength(share: float) -> float:
-    """A share of what black ink takes as a stroke says it; what is nearly black is."""
-    return 1.0 if share > _NEARLY else max(round(share, 3), LEAST_STRENGTH)
-
-
-def _fill_bands(stroke: GlyphStroke) -> list[GlyphStroke]:
-    """A stroke, or the bands that fill one that is wider than the brush."""
-    return fill_in_bands(stroke.polygon()) if is_wide(stroke) else [stroke]
+def _round_strength(fraction: float) -> float:
+    """A fraction of what black ink takes as a stroke says it; what is nearly black is."""
+    return 1.0 if fraction > _NEARLY else max(round(fraction, 3), LEAST_STRENGTH)
 
 
 # ---- Room for the brush --------------------------------------------------------------------------
@@ -451,7 +457,7 @@ def check_widths(page: Page, brush: BrushSpec, em_mm: float, resolution_mm: floa
     InputError
         The message names the size that would fit.
     """
-    widths = [_width(stroke) for piece in page.pieces for stroke in piece.glyph.strokes]
+    widths = [_mean_width(stroke) for piece in page.pieces for stroke in piece.glyph.strokes]
     narrow, wide = np.percentile(widths, (_NARROW, _WIDE)) * em_mm / EM_UNITS
     rows = tabulate_footprints(build_tuft(brush), 1e3).points
     least, most = (2.0 * float(row[:, 1].max()) for row in (rows[0], rows[-1]))
@@ -493,7 +499,7 @@ def check_widths(page: Page, brush: BrushSpec, em_mm: float, resolution_mm: floa
         )
 
 
-def _width(stroke: GlyphStroke) -> float:
+def _mean_width(stroke: GlyphStroke) -> float:
     """Mean width of a stroke, glyph units."""
     rings = (stroke.outline, *stroke.holes)
     areas = [abs(signed_area(ring)) for ring in rings]

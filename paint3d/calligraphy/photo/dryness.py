@@ -1,4 +1,4 @@
-"""Dryness of the brush along a stroke: the share of its body that the ink left bare."""
+"""Dryness of the brush along a stroke: the fraction of its body that the ink left bare."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from paint3d.calligraphy.kernels.raster import fill_polygon
 from paint3d.core.arrays import AnyArray
 from paint3d.core.polyline import arc_lengths, interpolate, line_length
 
-__all__ = ["dryness_along", "region_of", "stations_along", "strength_of"]
+__all__ = ["dryness_along", "region_of", "strength_of"]
 
 _APART = 0.6  # stroke widths from station to station
 _FEWEST, _MOST = 4, 32
@@ -22,14 +22,14 @@ _EDGE = 1.5  # pixels of the body's rim that are blurred with the paper
 _EVEN = 0.04  # of unevenness that wet ink has too
 
 
-def stations_along(median: AnyArray, width: float, n: int | None = None) -> NDArray[np.float64]:
+def _stations_along(median: AnyArray, width: float, n: int | None = None) -> NDArray[np.float64]:
     """Even stations (K, 2) along a line, the middles of pieces of equal length.
 
     There are as many as a stroke of that width needs, or `n`.
     """
-    way = arc_lengths(median)
-    n = n or min(max(math.ceil(way[-1] / max(_APART * width, 1e-9)), _FEWEST), _MOST)
-    return interpolate((np.arange(n) + 0.5) / n * way[-1], way, median)
+    along = arc_lengths(median)
+    n = n or min(max(math.ceil(along[-1] / max(_APART * width, 1e-9)), _FEWEST), _MOST)
+    return interpolate((np.arange(n) + 0.5) / n * along[-1], along, median)
 
 
 def dryness_along(
@@ -54,7 +54,7 @@ def dryness_along(
     Returns
     -------
     tuple of float
-        The share that is bare at each station, 0 to 1.
+        The fraction that is bare at each station, 0 to 1.
     float
         How strong its own unbroken ink is, against the sheet's.
     """
@@ -65,10 +65,10 @@ def dryness_along(
     ink = values[region & inked[box]]
     own = max(float(np.percentile(ink, _FULL)), _PALEST) if len(ink) else 1.0
     rows, columns = np.nonzero(_core(region))
-    places = np.column_stack([columns + box[1].start, rows + box[0].start]) + 0.5
+    pixels = np.column_stack([columns + box[1].start, rows + box[0].start]) + 0.5
     width = region.sum() / max(line_length(stroke.median), 1.0)
-    stations = stations_along(stroke.median, width, n)
-    _, nearest = cKDTree(stations).query(places)
+    stations = _stations_along(stroke.median, width, n)
+    _, nearest = cKDTree(stations).query(pixels)
     covered = np.clip(values[rows, columns] / own / (1.0 - _EVEN), 0.0, 1.0)
     counts = np.bincount(nearest, minlength=len(stations))
     sums = np.bincount(nearest, covered, minlength=len(stations))
@@ -81,7 +81,7 @@ def dryness_along(
 def strength_of(
     stroke: GlyphStroke, density: NDArray[np.float32], inked: NDArray[np.bool_]
 ) -> float:
-    """Share of the paper's light that the unbroken ink of a stroke takes.
+    """Fraction of the paper's light that the unbroken ink of a stroke takes.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""A page and the pixels that it is looked at in: a photographed sheet's, or as fine as it needs."""
+"""A page in the pixels of a photographed sheet, or of a raster as fine as it needs."""
 
 from __future__ import annotations
 

@@ -23,11 +23,10 @@ __all__ = [
     "bodies_in",
     "find_carved",
     "find_ink",
+    "invert_rubbing",
     "otsu",
     "polygons_in",
-    "rubbed",
-    "unmixed",
-    "without_specks",
+    "unmix_inks",
 ]
 
 # ---- Bodies of strokes ---------------------------------------------------------------------------
@@ -42,7 +41,7 @@ _NOTCH = 0.25  # half widths: notches of a rough edge, up to twice as wide, are 
 _GAP = 0.5  # the same of bare streaks, of a stroke that has streaks
 _DRY_GAP = 1.0  # the same where there are many
 _STREAK = 0.16  # of a width: half of a streak's
-_MANY, _MANY_NEAR = 0.16, 0.45  # share of a place that streaks cover; widths around it
+_MANY, _MANY_NEAR = 0.16, 0.45  # fraction of a pixel that streaks cover; widths around it
 _SOME, _ANY, _SOME_NEAR = 0.03, 0.003, 0.8  # the same of a few, and of one
 _FAINT_BODY = 0.02  # the same: there faint ink is a stroke's, too
 _ALONG = 2.0  # widths: bare bits of a hair's way up to so long belong to the stroke
@@ -64,7 +63,7 @@ def bodies_in(mask: NDArray[np.bool_], faint: NDArray[np.bool_], width: float) -
     width : float
         Of a usual stroke, pixels.
     """
-    streaks = _streaks(mask, width)
+    streaks = _find_streaks(mask, width)
     near = _streak_fraction(streaks, _SOME_NEAR * width)
     inked = mask | (faint & (near > _FAINT_BODY))
     inked |= _gaps_between_hairs(inked, near > _SOME, width)
@@ -72,12 +71,12 @@ def bodies_in(mask: NDArray[np.bool_], faint: NDArray[np.bool_], width: float) -
     closed |= _close_gaps(inked, _GAP * 0.5 * width) & (near > _ANY)
     many = _streak_fraction(streaks, _MANY_NEAR * width) > _MANY
     closed |= _close_gaps(inked, _DRY_GAP * 0.5 * width) & many
-    closed |= _small_holes(closed, near > _ANY, width)
-    closed &= ~_counters(closed & ~_close_gaps(mask, _NOTCH * 0.5 * width), mask, width)
-    return without_specks(closed, _BIT * width**2)
+    closed |= _find_small_holes(closed, near > _ANY, width)
+    closed &= ~_find_counters(closed & ~_close_gaps(mask, _NOTCH * 0.5 * width), mask, width)
+    return _without_specks(closed, _BIT * width**2)
 
 
-def without_specks(mask: AnyArray, least: float) -> NDArray[np.bool_]:
+def _without_specks(mask: AnyArray, least: float) -> NDArray[np.bool_]:
     """A mask without connected bits of fewer pixels."""
     from scipy.ndimage import label
 
@@ -97,7 +96,7 @@ def _close_gaps(mask: AnyArray, reach: float) -> NDArray[np.bool_]:
     return result
 
 
-def _small_holes(closed: AnyArray, streaky: AnyArray, width: float) -> NDArray[np.bool_]:
+def _find_small_holes(closed: AnyArray, streaky: AnyArray, width: float) -> NDArray[np.bool_]:
     """Holes that are no counters: small ones, and among streaks those no wider than one."""
     from scipy.ndimage import distance_transform_edt, label, maximum, mean
 
@@ -111,7 +110,7 @@ def _small_holes(closed: AnyArray, streaky: AnyArray, width: float) -> NDArray[n
     return result
 
 
-def _counters(filled: AnyArray, mask: AnyArray, width: float) -> NDArray[np.bool_]:
+def _find_counters(filled: AnyArray, mask: AnyArray, width: float) -> NDArray[np.bool_]:
     """Filled gaps between strokes: wider than slits, with more ink of strokes around than hairs."""
     from scipy.ndimage import binary_dilation, distance_transform_edt, label, maximum, mean
 
@@ -129,7 +128,7 @@ def _counters(filled: AnyArray, mask: AnyArray, width: float) -> NDArray[np.bool
     return result
 
 
-def _streaks(mask: AnyArray, width: float) -> NDArray[np.bool_]:
+def _find_streaks(mask: AnyArray, width: float) -> NDArray[np.bool_]:
     """Ink that is much narrower than a stroke."""
     from scipy.ndimage import distance_transform_edt
 
@@ -140,7 +139,7 @@ def _streaks(mask: AnyArray, width: float) -> NDArray[np.bool_]:
 
 
 def _streak_fraction(streaks: AnyArray, reach: float) -> NDArray[np.float32]:
-    """Share of streaks among the places around each."""
+    """Fraction of streaks among the pixels around each."""
     from scipy.ndimage import gaussian_filter
 
     result: NDArray[np.float32] = gaussian_filter(streaks.astype(np.float32), reach)
@@ -148,26 +147,26 @@ def _streak_fraction(streaks: AnyArray, reach: float) -> NDArray[np.float32]:
 
 
 def _gaps_between_hairs(inked: AnyArray, where: AnyArray, width: float) -> NDArray[np.bool_]:
-    """Bare places that have ink before and behind them on the way of the hairs."""
+    """Bare pixels that have ink before and behind them along the hairs."""
     from scipy.ndimage import distance_transform_edt
 
-    found = np.zeros(inked.shape, bool)
+    gaps = np.zeros(inked.shape, bool)
     bare = ~inked & where
     bare &= distance_transform_edt(~inked) <= _BESIDE * width
-    places = np.argwhere(bare)
-    if not len(places):
-        return found
-    way = _hair_directions(inked, width)
+    pixels = np.argwhere(bare)
+    if not len(pixels):
+        return gaps
+    directions = _hair_directions(inked, width)
     longest = int(_ALONG * width)
-    ahead = _pixels_to_ink(inked, places, way, longest)
-    behind = _pixels_to_ink(inked, places, -way, longest)
-    rows, columns = places[ahead + behind <= longest].T
-    found[rows, columns] = True
-    return found
+    ahead = _pixels_to_ink(inked, pixels, directions, longest)
+    behind = _pixels_to_ink(inked, pixels, -directions, longest)
+    rows, columns = pixels[ahead + behind <= longest].T
+    gaps[rows, columns] = True
+    return gaps
 
 
 def _hair_directions(inked: AnyArray, width: float) -> NDArray[np.float32]:
-    """The way of the streaks, or of edges, around each place: (H, W, 2) unit vectors, either way.
+    """Direction of the streaks, or edges, around each pixel: (H, W, 2) unit vectors, either sign.
 
     It is across the main axis of the structure tensor (Bigun and Granlund 1987).
     """
@@ -181,19 +180,19 @@ def _hair_directions(inked: AnyArray, width: float) -> NDArray[np.float32]:
 
 
 def _pixels_to_ink(
-    inked: AnyArray, places: AnyArray, way: AnyArray, longest: int
+    inked: AnyArray, pixels: AnyArray, directions: AnyArray, longest: int
 ) -> NDArray[np.float64]:
-    """Lengths (N,) of the ways from places (N, 2) to ink; infinite where there is none."""
+    """Lengths (N,) of the rays from pixels (N, 2) to ink; infinite where there is none."""
     last = np.array(inked.shape) - 1
-    far = np.full(len(places), np.inf)
-    at, cell = places.astype(np.float64), places
-    heading = way[cell[:, 0], cell[:, 1]]
+    far = np.full(len(pixels), np.inf)
+    at, cell = pixels.astype(np.float64), pixels
+    heading = directions[cell[:, 0], cell[:, 1]]
     for step in range(1, longest + 1):
         at = at + heading
         cell = np.clip(np.rint(at).astype(int), 0, last)
         reached = inked[cell[:, 0], cell[:, 1]]
         far[reached] = np.minimum(far[reached], step)
-        there = way[cell[:, 0], cell[:, 1]]
+        there = directions[cell[:, 0], cell[:, 1]]
         turned = (there * heading).sum(axis=1, keepdims=True) < 0.0
         heading = np.where(turned, -there, there)
     return far
@@ -232,7 +231,7 @@ class InkMask:
     Attributes
     ----------
     cover : (H, W) float32
-        What share of the paper's light the ink takes, over that of unbroken ink: how much of a
+        What fraction of the paper's light the ink takes, over that of unbroken ink: how much of a
         pixel is inked, 0 to 1.
     mask : (H, W) bool
         Where ink is.
@@ -241,7 +240,7 @@ class InkMask:
     width : float
         Of a usual stroke, pixels.
     full : float
-        Share of the light that unbroken ink takes.
+        Fraction of the light that unbroken ink takes.
     stains : int
         How many pale blots with soft edges were taken for stains of the paper.
     along_edge : int
@@ -264,8 +263,8 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
     ----------
     density : (H, W) float32
     darker : float, optional
-        Only what takes more than this share of the light that the ink takes, 0 to 1: what is paler,
-        such as stains, is ground. Without it, pale blots with soft edges are.
+        Only what takes more than this fraction, 0 to 1, of the light that the ink takes: what is
+        paler, such as stains, is ground. Without it, pale blots with soft edges are.
 
     Raises
     ------
@@ -283,11 +282,11 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
         full = float(np.percentile(gaussian_filter(taken, 0.7)[near], _DARK))
         smooth = np.where(gaussian_filter(taken, 0.7) > darker * full, smooth, 0.0)
         near = _threshold(smooth, inner)
-    share = (2.0 * taken - gaussian_filter(taken, _LENS)) / np.maximum(
+    relative = (2.0 * taken - gaussian_filter(taken, _LENS)) / np.maximum(
         _local_absorption(taken, near), 1e-6
     )
-    mask, faint = near & (share > _EDGE), near & (share > _FAINT)
-    stained, n_stains = _stains(mask, taken) if darker is None else (np.zeros_like(mask), 0)
+    mask, faint = near & (relative > _EDGE), near & (relative > _FAINT)
+    stained, n_stains = _find_stains(mask, taken) if darker is None else (np.zeros_like(mask), 0)
     mask, faint = mask & ~stained, faint & ~stained
     if mask.mean() < _LEAST:
         raise InputError(
@@ -301,8 +300,8 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
             share=mask.sum() / inner.sum(),
             hint="--corners; of a rubbing --invert",
         )
-    width = _width(mask)
-    mask, faint = (without_specks(one, _SPECK * width**2) for one in (mask, faint))
+    width = _stroke_width(mask)
+    mask, faint = (_without_specks(one, _SPECK * width**2) for one in (mask, faint))
     pieces = _pieces_and_holes(mask)
     if mask.sum() < _DITHERED * pieces:
         raise InputError(
@@ -320,7 +319,7 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
     )
 
 
-def _stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_], int]:
+def _find_stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_], int]:
     """Pale pieces whose edges are much softer than the ink's, a little around them; how many.
 
     Smaller ones that lie among them and are nearly as pale are of the same stain, though a fold or
@@ -354,15 +353,15 @@ def _stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_]
     stained[0] = False
     sizes = np.bincount(pieces.ravel())
     if stained.any():
-        near = distance_transform_edt(~stained[pieces]) < _AMONG * _width(mask)
+        near = distance_transform_edt(~stained[pieces]) < _AMONG * _stroke_width(mask)
         among = maximum(near, pieces, each).astype(bool) & (paleness < _PALE_AMONG) & broad
         stained |= among & (sizes < sizes[stained].max())
-    found = stained[pieces]
-    if found.sum() > _MOST_STAINED * mask.sum():
+    stain_mask = stained[pieces]
+    if stain_mask.sum() > _MOST_STAINED * mask.sum():
         return np.zeros_like(mask), 0
-    least = _width(mask) ** 2
-    n_told = max(int((sizes[stained] > least).sum()), int(found.sum() > least))
-    return binary_dilation(found, iterations=2), n_told
+    least = _stroke_width(mask) ** 2
+    n_told = max(int((sizes[stained] > least).sum()), int(stain_mask.sum() > least))
+    return binary_dilation(stain_mask, iterations=2), n_told
 
 
 # ---- The mask of a rubbing -----------------------------------------------------------------------
@@ -407,13 +406,13 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
             smooth > max(_CARVED, otsu(np.clip(smooth[inner], 0.0, 1.0)), darker or 0.0)
         )
         mask, _ = _drop_rim_pieces(mask, inner, _MOUNT * min(mask.shape))
-        before, width = width, max(_width(_drop_grain(mask)), _COARSEST)
+        before, width = width, max(_stroke_width(_drop_grain(mask)), _COARSEST)
         if abs(width - before) < 0.05 * width:
             break
     thick = distance_transform_edt(mask) > _THIN * width
     core = distance_transform_edt(~thick) <= _THIN * width
     mask &= distance_transform_edt(~core) <= 2.0 * _THIN * width
-    mask = without_specks(mask, _CHIP * width**2)
+    mask = _without_specks(mask, _CHIP * width**2)
     pieces, n = label(mask, np.ones((3, 3)))
     whiteness = (
         mean(smooth, pieces, np.arange(n + 1)) / np.median(smooth[mask]) if n else np.ones(1)
@@ -421,7 +420,7 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
     is_bit = np.bincount(pieces.ravel()) < _FEW_WIDTHS * width**2
     dropped = whiteness < np.where(is_bit, _WORN_BIT, _WORN)
     body, n_along = _drop_rim_pieces(mask & ~dropped[pieces], inner, _RIM * width)
-    body |= ~without_specks(~body, _HOLE * width**2)
+    body |= ~_without_specks(~body, _HOLE * width**2)
     body = gaussian_filter(body.astype(np.float32), _BLUR * width) > 0.5
     if body.mean() < _LEAST:
         raise InputError(
@@ -434,7 +433,7 @@ def find_carved(density: NDArray[np.float32], darker: float | None = None) -> In
 
 
 def _drop_grain(mask: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """The larger pieces of a mask: grain is more in number."""
+    """A mask without the pieces that are much smaller than the largest: grain."""
     from scipy.ndimage import label
 
     pieces, _ = label(mask, np.ones((3, 3)))
@@ -477,7 +476,7 @@ def _check_pieces(body: NDArray[np.bool_]) -> None:
 
 def _require_width(body: NDArray[np.bool_]) -> float:
     """Of a usual stroke, pixels, where it is not too narrow."""
-    width = _width(body)
+    width = _stroke_width(body)
     if width < _COARSEST:
         raise InputError(
             "strokes are {width:.1f} pixels wide on the straightened sheet; expected {least:g} or "
@@ -498,7 +497,7 @@ def _pieces_and_holes(mask: NDArray[np.bool_]) -> int:
 
 
 def _threshold(density: AnyArray, inner: AnyArray) -> NDArray[np.bool_]:
-    """Places where the density is high, and those around them where it is not low."""
+    """Hysteresis threshold: pixels of high density, and their neighbours of moderate density."""
     from scipy.ndimage import label
 
     values = density[inner]
@@ -516,10 +515,10 @@ def _threshold(density: AnyArray, inner: AnyArray) -> NDArray[np.bool_]:
 
 
 def _local_absorption(taken: AnyArray, near: AnyArray) -> NDArray[np.float64]:
-    """The share of light that unbroken ink takes around each place."""
+    """The fraction of light that unbroken ink takes around each pixel."""
     from scipy.ndimage import gaussian_filter, maximum_filter
 
-    reach = max(3, 2 * round(0.5 * _width(near)) + 1)
+    reach = max(3, 2 * round(0.5 * _stroke_width(near)) + 1)
     most = maximum_filter(np.where(near, gaussian_filter(taken, 0.7), 0.0), reach)
     result: NDArray[np.float64] = gaussian_filter(most, 0.25 * reach)
     return result
@@ -542,7 +541,7 @@ def otsu(values: AnyArray) -> float:
     return float(middles[int(np.argmax(between))])
 
 
-def _width(mask: AnyArray) -> float:
+def _stroke_width(mask: AnyArray) -> float:
     """Of a usual stroke, pixels: twice the depth along the middle lines that half the ink has."""
     from scipy.ndimage import distance_transform_edt, maximum_filter
 
@@ -551,8 +550,8 @@ def _width(mask: AnyArray) -> float:
     if not ridge.any():
         return 1.0
     depths = np.sort(depth[ridge])  # each stands for as much ink: streaks count for little
-    share = np.cumsum(depths)
-    return 2.0 * float(depths[np.searchsorted(share, 0.5 * share[-1])])
+    cumulative = np.cumsum(depths)
+    return 2.0 * float(depths[np.searchsorted(cumulative, 0.5 * cumulative[-1])])
 
 
 # ---- Outlines ------------------------------------------------------------------------------------
@@ -580,7 +579,7 @@ def polygons_in(body: NDArray[np.bool_], width: float) -> list[Polygon]:
 
     measure = import_optional("skimage.measure")
     areas, _ = label(body, np.ones((3, 3)))
-    found = []
+    polygons = []
     for k, box in enumerate(find_objects(areas)):
         part = np.pad((areas[box] == k + 1).astype(np.float32), 4)
         rings = measure.find_contours(gaussian_filter(part, _SMOOTH), 0.5)
@@ -590,8 +589,8 @@ def polygons_in(body: NDArray[np.bool_], width: float) -> list[Polygon]:
         )
         largest = max((shape.area for shape in shapes), default=0.0)
         least = min(_BIT * width**2, largest)
-        found += [shape for shape in shapes if shape.area >= least]
-    return found
+        polygons += [shape for shape in shapes if shape.area >= least]
+    return polygons
 
 
 def _nest_rings(rings: Sequence[Polygon]) -> list[Polygon]:
@@ -614,10 +613,10 @@ def _nest_rings(rings: Sequence[Polygon]) -> list[Polygon]:
 
 
 # ---- Ink and seals -------------------------------------------------------------------------------
-# Black ink and red seals told apart: inks over each other add in density, -log10 of the light.
+# Black ink and red seals separated: inks over each other add in density, -log10 of the light.
 #
-# The density of every place is made of black and of red, neither less than none (least squares).
-# Red is the sheet's own: the mean direction of its most coloured places.
+# The density of every pixel is made of black and of red, neither less than none (least squares).
+# Red is the sheet's own: the mean direction of its most coloured pixels.
 
 
 _BLACK = np.ones(3) / np.sqrt(3.0)
@@ -625,7 +624,7 @@ _CINNABAR = np.array([0.08, 0.85, 0.75])  # densities in red, green and blue lig
 _COLOURED = 0.18  # by how much the density in green and blue exceeds that in red on a seal
 _MOST_RED = 0.55  # of the density in green: in red light a red seal is hardly seen
 _FEW = 2e-4  # of the sheet: fewer coloured pixels are no seal
-_DARKEST, _BRIGHTEST = 4e-3, 1.25  # shares of the paper's light
+_DARKEST, _BRIGHTEST = 4e-3, 1.25  # fractions of the paper's light
 
 
 @dataclass(frozen=True, eq=False)
@@ -642,22 +641,22 @@ class Inks:
     red: NDArray[np.float32]
 
 
-def unmixed(reflected: NDArray[np.float32]) -> Inks:
-    """Tell black ink from red.
+def unmix_inks(reflected: NDArray[np.float32]) -> Inks:
+    """Separate black ink from red.
 
     Parameters
     ----------
     reflected : (H, W, 3) float32
-        As a share of the paper's light.
+        As a fraction of the paper's light.
     """
     density = -np.log10(np.clip(reflected, _DARKEST, _BRIGHTEST))
-    red_way = _red_of(density)
+    red_direction = _red_of(density)
     # what a point of the plane of both directions is made of; off its wedge, of the nearer side
-    ways = np.stack([_BLACK, red_way])
-    inverse = np.linalg.pinv(ways).astype(np.float32)
+    directions = np.stack([_BLACK, red_direction])
+    inverse = np.linalg.pinv(directions).astype(np.float32)
     black, red = density @ inverse[:, 0], density @ inverse[:, 1]
     alone_black = np.maximum(density @ _BLACK.astype(np.float32), 0.0)
-    alone_red = np.maximum(density @ red_way.astype(np.float32), 0.0)
+    alone_red = np.maximum(density @ red_direction.astype(np.float32), 0.0)
     black, red = (
         np.where(red < 0.0, alone_black, np.where(black < 0.0, 0.0, black)),
         np.where(black < 0.0, alone_red, np.where(red < 0.0, 0.0, red)),
@@ -679,8 +678,8 @@ def _red_of(density: AnyArray) -> NDArray[np.float64]:
     return result
 
 
-def rubbed(sheet: NDArray[np.float32]) -> Inks:
-    """The white strokes of a rubbing as if they were ink: how far a place is from its black ground.
+def invert_rubbing(sheet: NDArray[np.float32]) -> Inks:
+    """The white strokes of a rubbing as if they were ink: how far a pixel is from its black ground.
 
     Parameters
     ----------
@@ -704,5 +703,5 @@ def rubbed(sheet: NDArray[np.float32]) -> Inks:
         levels.append(zoom(level, factor, order=1, grid_mode=True, mode="nearest"))
     ground, white = levels
     white = np.maximum(white, ground + 0.35 * float(np.ptp(np.percentile(small, (5.0, 99.5)))))
-    share = np.clip((grey - ground) / np.maximum(white - ground, 1e-3), 0.0, 1.2)
-    return Inks(share.astype(np.float32), np.zeros_like(share, np.float32))
+    whiteness = np.clip((grey - ground) / np.maximum(white - ground, 1e-3), 0.0, 1.2)
+    return Inks(whiteness.astype(np.float32), np.zeros_like(whiteness, np.float32))

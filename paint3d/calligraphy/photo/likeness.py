@@ -44,7 +44,7 @@ class PaintedSheet:
     picture : (H, W, 3) uint8
         sRGB codes; what is not painted has the surface's colour.
     cover : (H, W) float32
-        What share of each pixel is under ink.
+        What fraction of each pixel is under ink.
     """
 
     picture: NDArray[np.uint8]
@@ -62,7 +62,7 @@ class SheetLikeness:
     ink_iou : float
         The same of the ink itself, streak against streak.
     dryness_r, dryness_error : float
-        Correlation and mean difference of the shares left bare, station by station along all
+        Correlation and mean difference of the fractions left bare, station by station along all
         strokes; NaN for the correlation where all are alike.
     """
 
@@ -83,7 +83,7 @@ class SheetLikeness:
 def painted_sheet(
     sheet: FlatPage, placed: list[tuple[Piece, PlacedPiece]], surface: PaintedSurface
 ) -> PaintedSheet:
-    """The painting seen straight, each piece in a chart around its own middle.
+    """The painting rectified onto the sheet, each piece in a chart around its own middle.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ def painted_sheet(
 def _to_page(
     piece: Piece, laid: PlacedPiece, closest: ClosestPoints, there: AnyArray, sheet: FlatPage
 ) -> NDArray[np.float64]:
-    """Places of points of the surface on the sheet, pixels; NaN beyond the piece."""
+    """Positions of surface points on the sheet, pixels; NaN beyond the piece."""
     square = laid.square
     em = square.em_mm
     box = 0.5 * np.array([square.width_mm, square.height_mm])
@@ -158,7 +158,7 @@ def strength_of_both(
 def dryness_of_both(
     sheet: FlatPage, painted: PaintedSheet
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Shares (K,) left bare at the stations of all strokes: as they say, and painted.
+    """Fractions (K,) left bare at the stations of all strokes: as they say, and painted.
 
     Strokes that do not say how dry they are have no stations.
     """

@@ -1,4 +1,4 @@
-"""Painting strokes on trial, to see how dry and pale they come out, and correcting what is asked.
+"""Trial paintings of strokes, to correct their dryness and strength by what comes out.
 
 What a brush leaves bare depends on more than its load: where its bundles of hairs are supplied
 worse, what it goes over again, other strokes that cross. The same recording paints the same, so
@@ -26,20 +26,20 @@ from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["rehearsed"]
+__all__ = ["rehearse"]
 
 _TAKEN = 0.8  # of what is missing: all of it swings
 _PALE = 0.9999  # of the light that black ink takes: no ink without water
 
 
-def rehearsed(
+def rehearse(
     written: Written,
     paint: Callable[[Written], PaintedSurface],
     material: Material,
     trials: int,
     sheet: FlatPage | None = None,
 ) -> Written:
-    """A plan whose dryness and strengths are corrected by what trials left bare and pale.
+    """Correct a plan's dryness and strengths by what trials left bare and pale.
 
     Parameters
     ----------

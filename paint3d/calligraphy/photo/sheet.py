@@ -4,7 +4,7 @@ Every threshold of a few planes (brightness, colour) has connected areas; those 
 four-sided are candidates. Each is judged by its weakest side, for a sheet differs from the table
 along all four, while a shadow's edge, or a stack of paper, ends somewhere. The sides of the best
 one are then drawn anew: along each, where brightness or colour changes most across it, a line is
-fitted to the places that agree.
+fitted to the pixels that agree.
 """
 
 from __future__ import annotations
@@ -27,16 +27,15 @@ if TYPE_CHECKING:
 
 __all__ = [
     "blur_matrix",
+    "check_corners",
     "check_exposure",
     "check_ground",
-    "checked_corners",
     "find_sheets",
-    "flattened",
     "homography",
-    "linear_light",
     "map_points",
+    "remove_light",
     "sheet_size",
-    "straightened",
+    "straighten",
     "white_on_dark",
     "whole_picture",
 ]
@@ -58,7 +57,7 @@ _CODES = np.arange(256, dtype=np.uint8)
 _ROWS = 256  # that are looked up at once: bounds the memory
 
 
-def linear_light(codes: AnyArray) -> NDArray[np.float32]:
+def _linear_light(codes: AnyArray) -> NDArray[np.float32]:
     """Linear values, 0 to 1, of sRGB codes (uint8)."""
     result: NDArray[np.float32] = decode_srgb(_CODES).astype(np.float32)[codes]
     return result
@@ -94,14 +93,14 @@ def sheet_size(corners: AnyArray, shape: tuple[int, int], longest: int) -> tuple
         Of the longer side; less where the picture shows no more.
     """
     sides = np.linalg.norm(corners - np.roll(corners, -1, axis=0), axis=1)
-    ratio = _ratio(corners, shape) or float((sides[0] + sides[2]) / (sides[1] + sides[3]))
+    ratio = _side_ratio(corners, shape) or float((sides[0] + sides[2]) / (sides[1] + sides[3]))
     ratio = min(max(ratio, 1.0 / _SLIMMEST), _SLIMMEST)
     long = min(longest, round(float(sides.max())))
     width, height = (long, long / ratio) if ratio > 1.0 else (long * ratio, long)
     return max(8, round(height)), max(8, round(width))
 
 
-def _ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
+def _side_ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
     """Width over height of a sheet, where the perspective is strong enough."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     size = max(shape)
@@ -116,10 +115,10 @@ def _ratio(corners: AnyArray, shape: tuple[int, int]) -> float | None:
     return math.sqrt(float((h1**2 / scale).sum() / (h2**2 / scale).sum()))
 
 
-def straightened(
+def straighten(
     pixels: NDArray[np.uint8], corners: AnyArray, size: tuple[int, int]
 ) -> NDArray[np.float32]:
-    """A sheet laid flat, in linear light.
+    """Rectify a sheet, in linear light.
 
     Parameters
     ----------
@@ -144,13 +143,13 @@ def straightened(
     out = np.empty((height, width, 3), np.float32)
     x = np.arange(width) + 0.5
     for channel in range(3):
-        plane = linear_light(pixels[..., channel])
+        plane = _linear_light(pixels[..., channel])
         if shrink > 1.2:  # what the new pixels could not show
             plane = gaussian_filter(plane, 0.4 * math.sqrt(shrink**2 - 1.0), truncate=3.0)
         for first in range(0, height, _ROWS):
             rows = np.arange(first, min(first + _ROWS, height)) + 0.5
-            places = np.stack(np.broadcast_arrays(x[None], rows[:, None]), axis=-1)
-            at = map_points(matrix, places.reshape(-1, 2)) - 0.5
+            pixels_at = np.stack(np.broadcast_arrays(x[None], rows[:, None]), axis=-1)
+            at = map_points(matrix, pixels_at.reshape(-1, 2)) - 0.5
             values = map_coordinates(plane, at[:, ::-1].T, order=1, mode="nearest")
             out[first : first + len(rows), :, channel] = values.reshape(len(rows), width)
     return out
@@ -174,7 +173,7 @@ _ROUNDS = ((0.03, 6), (0.008, 6))  # of the picture to either side, and how ofte
 
 @dataclass(frozen=True, eq=False)
 class _Planes:
-    """Planes (H, W) that are compared, each in units of how much it varies from place to place."""
+    """Planes (H, W) that are compared, each in units of how much it varies across the sheet."""
 
     planes: tuple[NDArray[np.float32], ...]
 
@@ -190,8 +189,8 @@ def whole_picture(pixels: AnyArray) -> NDArray[np.float64]:
     return np.array([[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]])
 
 
-def checked_corners(corners: AnyArray, shape: tuple[int, int]) -> NDArray[np.float64]:
-    """Corners (4, 2) that were given, in pixels of a picture of height and width `shape`.
+def check_corners(corners: AnyArray, shape: tuple[int, int]) -> NDArray[np.float64]:
+    """Check given corners (4, 2), in pixels of a picture of height and width `shape`.
 
     Raises
     ------
@@ -200,8 +199,8 @@ def checked_corners(corners: AnyArray, shape: tuple[int, int]) -> NDArray[np.flo
     """
     corners = np.asarray(corners, np.float64)
     height, width = shape
-    room = 0.02 * max(shape)
-    if ((corners < -room) | (corners > (width + room, height + room))).any():
+    margin = 0.02 * max(shape)
+    if ((corners < -margin) | (corners > (width + margin, height + margin))).any():
         raise InputError(
             "corners are {corners} in a picture of {width} x {height} pixels; expected places in "
             "it",
@@ -244,8 +243,8 @@ def find_sheets(pixels: NDArray[np.uint8]) -> list[NDArray[np.float64]]:
     import shapely
 
     step = max(1, round(max(pixels.shape[:2]) / _SEARCHED))
-    small = _planes(pixels, step)
-    candidates = [one for one in _candidates(small) if shapely.Polygon(one).is_valid]
+    small = _compute_planes(pixels, step)
+    candidates = [one for one in _find_candidates(small) if shapely.Polygon(one).is_valid]
     ranked = [(_weakest_side(small, corners), corners) for corners in candidates]
     ranked.sort(key=lambda one: -one[0])
     chosen: list[tuple[NDArray[np.float64], Polygon]] = []
@@ -265,21 +264,21 @@ def find_sheets(pixels: NDArray[np.uint8]) -> list[NDArray[np.float64]]:
             hint="--corners x,y x,y x,y x,y, or --whole for all of the picture",
         )
     finer = max(1, round(max(pixels.shape[:2]) / _DRAWN))
-    fine = _planes(pixels, finer)
+    fine = _compute_planes(pixels, finer)
     return [
         _order_corners(_refine_corners(fine, corners * (step / finer)) * finer)
         for corners, _ in chosen
     ]
 
 
-def _planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
+def _compute_planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
     """Logarithms of brightness and of red over blue, by what each varies."""
     from scipy.ndimage import gaussian_filter
 
     height, width = (n // step * step for n in pixels.shape[:2])
     blocks = pixels[:height, :width].reshape(height // step, step, width // step, step, 3)
     # block by block of rows: never a picture's worth of floats
-    rows = [linear_light(row).mean(axis=(0, 2)) for row in blocks]
+    rows = [_linear_light(row).mean(axis=(0, 2)) for row in blocks]
     light = np.log(np.stack(rows) + 0.01)
     measures = (light.mean(axis=2), light[..., 0] - light[..., 2])
     planes = []
@@ -293,11 +292,11 @@ def _planes(pixels: NDArray[np.uint8], step: int) -> _Planes:
 # -- candidates ---------------------------------------------------------------------------------
 
 
-def _candidates(small: _Planes) -> list[NDArray[np.float64]]:
+def _find_candidates(small: _Planes) -> list[NDArray[np.float64]]:
     """Quadrilaterals (4, 2) around areas above or below thresholds."""
     from scipy.ndimage import binary_fill_holes, binary_opening, find_objects, label
 
-    found: list[NDArray[np.float64]] = []
+    quadrilaterals: list[NDArray[np.float64]] = []
     for plane in small.planes:
         levels = np.quantile(plane, np.linspace(0.03, 0.97, _THRESHOLDS))
         for level in levels:
@@ -312,8 +311,8 @@ def _candidates(small: _Planes) -> list[NDArray[np.float64]]:
                         continue
                     corners = _four_sided(part, np.array([box[1].start, box[0].start]))
                     if corners is not None:
-                        found.append(corners)
-    return found
+                        quadrilaterals.append(corners)
+    return quadrilaterals
 
 
 def _four_sided(part: AnyArray, start: AnyArray) -> NDArray[np.float64] | None:
@@ -374,8 +373,8 @@ def _intersect(a: AnyArray, b: AnyArray, d: AnyArray, c: AnyArray) -> AnyArray |
 
 def _side_normal(start: AnyArray, end: AnyArray) -> AnyArray:
     """Unit vector (2,) across a side, outwards."""
-    way = end - start
-    normal: AnyArray = np.array([way[1], -way[0]]) / max(float(np.linalg.norm(way)), 1e-9)
+    side = end - start
+    normal: AnyArray = np.array([side[1], -side[0]]) / max(float(np.linalg.norm(side)), 1e-9)
     return normal
 
 
@@ -383,10 +382,10 @@ def _sample_across(planes: _Planes, start: AnyArray, end: AnyArray, offsets: Any
     """Values of planes at offsets (K,) across a side: (planes, stations, K)."""
     from scipy.ndimage import map_coordinates
 
-    share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
-    way, normal = end - start, _side_normal(start, end)
-    places = (start + share[:, None] * way)[:, None] + offsets[None, :, None] * normal
-    at = places[..., ::-1].reshape(-1, 2).T - 0.5
+    fraction = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
+    side, normal = end - start, _side_normal(start, end)
+    points = (start + fraction[:, None] * side)[:, None] + offsets[None, :, None] * normal
+    at = points[..., ::-1].reshape(-1, 2).T - 0.5
     values = [map_coordinates(plane, at, order=1, mode="nearest") for plane in planes.planes]
     return np.array(values).reshape(len(values), _STATIONS, len(offsets))
 
@@ -450,9 +449,9 @@ def _fit_side(planes: _Planes, start: AnyArray, end: AnyArray, reach: float) -> 
     at = strong.argmax(axis=1)
     best = middles[at] + _peak_offset(strong, at)
     weight = strong.max(axis=1)
-    weight = np.minimum(weight, np.median(weight))  # a seal is stronger, but only in some places
-    share = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
-    slope, height = _line_through(share, best, weight, 0.25 * reach)
+    weight = np.minimum(weight, np.median(weight))  # a seal is stronger, but only in some pixels
+    fraction = np.linspace(_LEFT_OUT, 1.0 - _LEFT_OUT, _STATIONS)
+    slope, height = _line_through(fraction, best, weight, 0.25 * reach)
     normal = _side_normal(start, end)
     return np.array([start + height * normal, end + (height + slope) * normal])
 
@@ -528,13 +527,13 @@ _NEAR = (0.008, 0.02, 0.06, 0.25)  # of the longer side: from where paper is tak
 _ENOUGH = 0.25  # of paper within that distance
 _BLACK = 0.3  # of the light of bright paper around: darker than a shadow
 _RED = 1.35  # times the paper's own red over green and blue: a seal
-_NARROW = 0.05  # of the longer side: narrower dark places are ink, broader ones shadow
+_NARROW = 0.05  # of the longer side: narrower dark pixels are ink, broader ones shadow
 _DARKER = 0.9  # of the paper's light
 _DARKEST = 1e-3
 
 
-def flattened(sheet: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Reflectance of every place of a sheet, as a share of the paper's.
+def remove_light(sheet: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Reflectance of every pixel of a sheet, as a fraction of the paper's.
 
     Parameters
     ----------
@@ -577,7 +576,7 @@ def _resize(plane: AnyArray, shape: tuple[int, ...]) -> NDArray[np.float32]:
 
 
 def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
-    """Places that no ink darkens: ink is very dark, or coloured, or narrow; a shadow is neither."""
+    """Pixels without ink: ink is very dark, coloured, or narrow; a shadow is neither."""
     from scipy.ndimage import binary_dilation, grey_closing, median_filter, percentile_filter
 
     longest = max(small.shape[:2])
@@ -598,14 +597,14 @@ def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
 
 
 def _spread_light(small: AnyArray, is_paper: AnyArray, longest: int) -> NDArray[np.float32]:
-    """The light of places that are paper, spread over all: normalized blurs, nearest first."""
+    """The light of pixels that are paper, spread over all: normalized blurs, nearest first."""
     weight = is_paper.astype(np.float32)
     if not weight.any():
         weight[:] = 1.0
     total = np.zeros(small.shape, np.float32)
     left = np.ones(small.shape[:2], np.float32)
-    for k, share in enumerate(_NEAR):
-        sigma = max(0.7, share * longest)
+    for k, fraction in enumerate(_NEAR):
+        sigma = max(0.7, fraction * longest)
         down, across = (blur_matrix(n, sigma) for n in small.shape[:2])
         there = (down @ weight @ across.T).astype(np.float32)
         trust = left if k == len(_NEAR) - 1 else left * np.clip(there / _ENOUGH, 0.0, 1.0)
@@ -685,7 +684,7 @@ def check_exposure(sheet: NDArray[np.float32], paper: NDArray[np.float32]) -> No
 
 
 def check_ground(sheet: NDArray[np.float32]) -> None:
-    """Refuse white strokes on a dark ground, where they are not asked for.
+    """Refuse white strokes on a dark ground unless they are asked for.
 
     Parameters
     ----------
@@ -697,17 +696,17 @@ def check_ground(sheet: NDArray[np.float32]) -> None:
     InputError
         If most of the sheet is dark, and the rest much lighter.
     """
-    share, contrast = white_on_dark(sheet)
-    if share < _LIT and contrast > _CONTRAST:
+    fraction, contrast = white_on_dark(sheet)
+    if fraction < _LIT and contrast > _CONTRAST:
         raise InputError(
             "{share:.0%} of the sheet is white on a dark ground; expected dark strokes on paper",
             hint="of a rubbing: --invert",
-            share=share,
+            share=fraction,
         )
 
 
 def white_on_dark(sheet: NDArray[np.float32]) -> tuple[float, float]:
-    """Share of a sheet (H, W, 3) that is the lighter, and by how much: a natural logarithm."""
+    """Fraction of a sheet (H, W, 3) that is the lighter, and by how much: a natural logarithm."""
     grey = np.log(sheet[::3, ::3].mean(axis=2) + 0.004)
     lighter = grey > otsu(grey)
     contrast = float(grey[lighter].mean() - grey[~lighter].mean()) if lighter.any() else 0.0

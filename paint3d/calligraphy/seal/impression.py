@@ -2,9 +2,9 @@
 
 A pad below (or behind) the stone gives way, so that it lies on the surface as a sheet does and
 presses less where that falls away from it. Paste is uneven: thicker along the edges of what is cut,
-patchy within, worn off where the stone's rim has been knocked. All of it follows from the place on
-the stone and a number, so the same seal is the same everywhere and at every resolution; and all of
-it is made of sums, products and roots, so it is to the bit what `web/src/seal/print.ts` leaves.
+patchy within, worn off where the stone's rim has been knocked. All of it follows from the position
+on the stone and a number, so the same seal is the same everywhere and at every resolution; and all
+of it is made of sums, products and roots, so it is to the bit what `web/src/seal/print.ts` leaves.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from paint3d.surface.pores import even_exp
 if TYPE_CHECKING:
     from shapely import Geometry
 
-__all__ = ["Impression", "Pressing", "find_impression"]
+__all__ = ["Impression", "Pressing", "find_impression", "lay_paste"]
 
 _NODES = 32.0  # of the chart along the longer side
 _MARGIN_MM = 0.3  # around the stone
@@ -78,16 +78,16 @@ class Impression:
     ----------
     vertex_ids : (N,) int32
     coats : (N,) float32
-        Thickness times the covered share.
-    share : (N,) float32
-        Of each vertex's area that is covered.
+        Thickness times `coverage`.
+    coverage : (N,) float32
+        Fraction of each vertex's area that is covered.
     touched : float
-        How much of the stone's ink met the surface, 0 to 1.
+        Fraction of the stone's ink that met the surface, 0 to 1.
     """
 
     vertex_ids: NDArray[np.int32]
     coats: NDArray[np.float32]
-    share: NDArray[np.float32]
+    coverage: NDArray[np.float32]
     touched: float
 
 
@@ -141,32 +141,57 @@ def find_impression(
     ids, xy = _vertices_under(surface, chart)
     if not len(ids):
         raise InputError("the seal meets no vertex of the surface; expected another place")
-    inside = stone.within(xy)
+    inside = stone.signed_distance(xy)
     wide = np.sqrt(surface.vertex_areas[ids])
     inside = inside - pressing.wear * _wear_at(xy, half, pressing.seed)
     soft = np.maximum(_EDGE * wide, _SOFT_MM)
-    share = np.clip(0.5 + 0.5 * inside / soft, 0.0, 1.0)
-    wanted = share.sum()
+    coverage = np.clip(0.5 + 0.5 * inside / soft, 0.0, 1.0)
+    wanted = coverage.sum()
     firm = _firmness(chart, xy, pressing.pad_mm)
     bare = _patches(xy, pressing.seed)
     thick = 1.0 + _RIDGE * _decay(np.maximum(inside, 0.0) / _RIDGE_MM) + bare[0]
-    share *= np.clip(firm / _FIRM, 0.0, 1.0) * np.clip(1.0 - pressing.wear * bare[1], 0.0, 1.0)
+    coverage *= np.clip(firm / _FIRM, 0.0, 1.0) * np.clip(1.0 - pressing.wear * bare[1], 0.0, 1.0)
     thick *= 0.55 + 0.45 * firm
-    touched = float(share.sum() / max(wanted, 1e-9))
-    kept = share > 1e-3
-    covered = share[kept]
-    coats = pressing.coats * np.maximum(thick[kept], 0.1) * covered
-    return Impression(ids[kept], coats.astype(np.float32), covered.astype(np.float32), touched)
+    touched = float(coverage.sum() / max(wanted, 1e-9))
+    inked = coverage > 1e-3
+    covered = coverage[inked]
+    coats = pressing.coats * np.maximum(thick[inked], 0.1) * covered
+    return Impression(ids[inked], coats.astype(np.float32), covered.astype(np.float32), touched)
+
+
+def lay_paste(surface: PaintedSurface, impression: Impression, parts: AnyArray) -> float:
+    """Lay what a seal leaves on the layer that is painted on.
+
+    What is wet below it dries first; the paste lies on it and does not run.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    impression : Impression
+    parts : (P,) array
+        Fractions of the surface's pigments in the paste, of sum 1.
+
+    Returns
+    -------
+    float
+        Ink that came onto the surface, coats x mm2.
+    """
+    before = surface.wet_ink() + surface.dry_ink()
+    surface.settle(impression.vertex_ids)
+    surface.ink.amounts[impression.vertex_ids] = impression.coats[:, None] * parts
+    surface.ink.coverage[impression.vertex_ids] = impression.coverage
+    surface.settle(impression.vertex_ids)
+    return surface.wet_ink() + surface.dry_ink() - before
 
 
 def _measure_touched(chart: SurfaceChart, stone: _Stone, pressing: Pressing) -> float:
-    """How much of the stone's ink would meet the surface, 0 to 1, before that is refined."""
+    """The fraction of the stone's ink that would meet the surface, before that is refined."""
     reach = chart.reach
-    places = lattice(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach))
+    points = lattice(*(np.linspace(-r, r, int(_ACROSS) + 1) for r in reach))
     soft = max(_EDGE * (2.0 * reach.max() / _ACROSS), _SOFT_MM)
-    share = np.clip(0.5 + 0.5 * stone.within(places) / soft, 0.0, 1.0)
-    firm = np.clip(_firmness(chart, places, pressing.pad_mm) / _FIRM, 0.0, 1.0)
-    return float((share * firm).sum() / max(share.sum(), 1e-9))
+    coverage = np.clip(0.5 + 0.5 * stone.signed_distance(points) / soft, 0.0, 1.0)
+    firm = np.clip(_firmness(chart, points, pressing.pad_mm) / _FIRM, 0.0, 1.0)
+    return float((coverage * firm).sum() / max(coverage.sum(), 1e-9))
 
 
 # -- on the surface -----------------------------------------------------------------------------
@@ -190,9 +215,9 @@ def _refine(surface: PaintedSurface, chart: SurfaceChart, spacing: float) -> Non
     near = cKDTree(chart.points(grid)).query(middles, distance_upper_bound=1.2 * size)[0]
     cells = np.flatnonzero(np.isfinite(near)).astype(np.int64)
     wanted = min(spacing, fields.resolution) if mesh.refines else fields.resolution
-    places = fields.cell_place.astype(np.float64)
+    cells_at = fields.cell_place.astype(np.float64)
     inked = np.unique(fields.sheet_cell[fields.vertex_sheet[np.flatnonzero(surface.painted)]])
-    apart = cKDTree(places[inked]).query(places[cells], p=np.inf, distance_upper_bound=1.5)[0]
+    apart = cKDTree(cells_at[inked]).query(cells_at[cells], p=np.inf, distance_upper_bound=1.5)[0]
     bare = cells[np.isinf(apart)]
     if wanted < fields.resolution:
         fields.done[bare] = 0
@@ -218,8 +243,8 @@ def _vertices_under(surface: PaintedSurface, chart: SurfaceChart) -> tuple[AnyAr
     normals = surface.paint_mesh.normals[ids].astype(np.float64)
     alike = dots_of(normals, chart.normals(xy)) > _SAME_SIDE
     near = lengths_of(vertices[ids] - chart.points(xy)) < _OFF_MM
-    kept = alike & near
-    return ids[kept].astype(np.int32), xy[kept]
+    under = alike & near
+    return ids[under].astype(np.int32), xy[under]
 
 
 def _firmness(chart: SurfaceChart, xy: AnyArray, pad_mm: float) -> AnyArray:
@@ -265,15 +290,15 @@ class _Stone:
         self._edges = edges
         self._tree = shapely.STRtree(shapely.linestrings(edges))
 
-    def within(self, xy: AnyArray) -> AnyArray:
-        """How far within points (N, 2) are, mm; negative outside."""
+    def signed_distance(self, xy: AnyArray) -> AnyArray:
+        """Signed distance of points (N, 2) to the edge, mm; negative outside."""
         import shapely
 
         points = shapely.points(xy)
         edges = self._edges[self._tree.nearest(points)]
-        way, off = edges[:, 1] - edges[:, 0], xy - edges[:, 0]
-        share = np.clip(dots_of(off, way) / dots_of(way, way), 0.0, 1.0)
-        away = lengths_of(off - share[:, None] * way)
+        edge, off = edges[:, 1] - edges[:, 0], xy - edges[:, 0]
+        along = np.clip(dots_of(off, edge) / dots_of(edge, edge), 0.0, 1.0)
+        away = lengths_of(off - along[:, None] * edge)
         result: AnyArray = np.where(shapely.contains(self._shape, points), away, -away)
         return result
 
@@ -305,18 +330,18 @@ def _noise(xy: AnyArray, cell_mm: float, seed: int) -> AnyArray:
     """Smooth noise (N,) from -1 to 1: values on a lattice, between them cubics without slope."""
     at = xy / cell_mm
     corner = np.floor(at)
-    share = at - corner
-    share = share * share * (3.0 - 2.0 * share)
+    fraction = at - corner
+    fraction = fraction * fraction * (3.0 - 2.0 * fraction)
     cell = corner.astype(np.int64)
     values = [_hash_lattice(cell[:, 0] + i, cell[:, 1] + j, seed) for i in (0, 1) for j in (0, 1)]
-    low = values[0] + share[:, 1] * (values[1] - values[0])
-    high = values[2] + share[:, 1] * (values[3] - values[2])
-    result: AnyArray = low + share[:, 0] * (high - low)
+    low = values[0] + fraction[:, 1] * (values[1] - values[0])
+    high = values[2] + fraction[:, 1] * (values[3] - values[2])
+    result: AnyArray = low + fraction[:, 0] * (high - low)
     return result
 
 
 def _hash_lattice(i: AnyArray, j: AnyArray, seed: int) -> AnyArray:
-    """A number from -1 to 1 for each place of a lattice (splitmix64's finaliser)."""
+    """A number from -1 to 1 for each point of a lattice (splitmix64's finaliser)."""
     x = (i.astype(np.uint64) << np.uint64(32)) ^ (j.astype(np.uint64) & np.uint64(0xFFFFFFFF))
     x += np.uint64((0x9E3779B97F4A7C15 * (seed + 1)) % 2**64)
     for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)):

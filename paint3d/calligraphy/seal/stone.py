@@ -36,7 +36,6 @@ __all__ = [
     "STYLES",
     "Seal",
     "cut_drawing",
-    "cut_font",
     "cut_known",
     "cut_seal",
 ]
@@ -107,17 +106,17 @@ def cut_known(
     InputError
         If there are no or too many characters, or the source lacks one.
     """
-    _check(style, size_mm, shape)
-    characters = _characters(text)
+    _check_options(style, size_mm, shape)
+    characters = _split_characters(text)
     glyphs = load_glyphs(source, "".join(characters))
-    cells, sides = _cells(len(characters), style, shape)
+    cells, sides = _lay_out_cells(len(characters), style, shape)
     shapes = [
         _draw_lines(glyphs[one], cell, style) for one, cell in zip(characters, cells, strict=True)
     ]
     return _cut_stone(text, style, size_mm, sides, shapes, source.licence)
 
 
-def cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str = "square") -> Seal:
+def _cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str = "square") -> Seal:
     """A seal in the shapes of a font.
 
     Up to four characters of a script that runs in columns stand as in seals; any other text is one
@@ -135,20 +134,20 @@ def cut_font(text: str, font: FontFile, style: str, size_mm: float, shape: str =
     InputError
         If the text is empty, too long, or has characters that the font lacks.
     """
-    _check(style, size_mm, shape)
+    _check_options(style, size_mm, shape)
     font.check_has(text)
     words = "".join(text.split())
     if is_written_down(text) or len(words) == 1:
-        characters = _characters(text)
-        inks = [_line_of(one, font) for one in characters]
-        cells, sides = _cells(len(characters), style, shape)
+        characters = _split_characters(text)
+        inks = [_set_line(one, font) for one in characters]
+        cells, sides = _lay_out_cells(len(characters), style, shape)
         shapes = [_stretch_into(ink, cell) for ink, cell in zip(inks, cells, strict=True)]
         return _cut_stone(text, style, size_mm, sides, shapes, font.licence)
-    return _cut_whole(text.strip(), _line_of(text.strip(), font), style, size_mm, font.licence)
+    return _cut_whole(text.strip(), _set_line(text.strip(), font), style, size_mm, font.licence)
 
 
 def cut_drawing(name: str, shape: MultiPolygon, style: str, size_mm: float) -> Seal:
-    """A seal of a drawing, the stone as long as that asks for.
+    """A seal of a drawing, on a stone of the drawing's proportions.
 
     Parameters
     ----------
@@ -163,14 +162,14 @@ def cut_drawing(name: str, shape: MultiPolygon, style: str, size_mm: float) -> S
     InputError
         If the drawing is longer than a stone.
     """
-    _check(style, size_mm)
+    _check_options(style, size_mm)
     return _cut_whole(name, shape, style, size_mm, f"Drawing: {name}")
 
 
 # -- what stands on it --------------------------------------------------------------------------
 
 
-def _check(style: str, size_mm: float, shape: str = "square") -> None:
+def _check_options(style: str, size_mm: float, shape: str = "square") -> None:
     if shape not in SHAPES:
         raise InputError(
             "shape is {shape!r}; expected one of {shapes}", shape=shape, shapes=", ".join(SHAPES)
@@ -184,7 +183,7 @@ def _check(style: str, size_mm: float, shape: str = "square") -> None:
     as_number(size_mm, "size (mm)", SMALLEST_MM, LARGEST_MM)
 
 
-def _characters(text: str) -> list[str]:
+def _split_characters(text: str) -> list[str]:
     characters = [one for one in text if not one.isspace()]
     if not 1 <= len(characters) <= MOST_CHARACTERS:
         raise InputError(
@@ -195,7 +194,7 @@ def _characters(text: str) -> list[str]:
     return characters
 
 
-def _cells(n: int, style: str, shape: str) -> tuple[list[AnyArray], tuple[float, float]]:
+def _lay_out_cells(n: int, style: str, shape: str) -> tuple[list[AnyArray], tuple[float, float]]:
     """Left, lower, right and upper side of every character's cell, and the stone's sides.
 
     The shorter side of the stone is 1.
@@ -231,7 +230,7 @@ def _draw_lines(glyph: Glyph, cell: AnyArray, style: str) -> Geometry:
     return MultiLineString(drawn).buffer(0.5 * wide, cap_style="round", join_style="round")
 
 
-def _line_of(text: str, font: FontFile) -> MultiPolygon:
+def _set_line(text: str, font: FontFile) -> MultiPolygon:
     """The ink of one line of text in a font, glyph units."""
     from shapely import transform, unary_union
 
@@ -258,7 +257,7 @@ def _stretch_into(ink: MultiPolygon, cell: AnyArray) -> Geometry:
 
 
 def _fit_box(low: AnyArray, high: AnyArray, cell: AnyArray, em: float) -> tuple[AnyArray, AnyArray]:
-    """Scales along x and y, and the middle, that let a box fill a cell as far as is becoming."""
+    """Per-axis scale and centre that fit a box to a cell, with limited distortion."""
     extent = np.maximum(high - low, _LEAST_EXTENT * em)
     scale = (cell[2:] - cell[:2]) / extent
     return np.minimum(scale, _DRAWN_OUT * scale.min()), 0.5 * (low + high)
@@ -378,7 +377,7 @@ def cut_seal(
     if font is not None:
         from paint3d.calligraphy.fonts.font_file import open_font
 
-        return cut_font(text, open_font(font, font_number), style, size_mm, shape)
+        return _cut_font(text, open_font(font, font_number), style, size_mm, shape)
     from paint3d.calligraphy.fonts.fallback import with_fallback
     from paint3d.calligraphy.glyph_sources import open_glyphs
 

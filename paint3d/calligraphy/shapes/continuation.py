@@ -14,7 +14,7 @@ from paint3d.calligraphy.shapes.skeleton import Branch, Junction, Skeleton
 from paint3d.core.arrays import AnyArray
 from paint3d.core.polyline import resample
 
-__all__ = ["Chain", "End", "chains_of", "mates_of", "row_products", "turns_between"]
+__all__ = ["Chain", "End", "chains_of", "row_products", "turns_between"]
 
 _MOST_TURN = 50.0  # degrees, of two branches that are one stroke
 _DIRECTION_FROM, _DIRECTION_TO = 1.0, 3.0  # radii beyond a junction where directions are taken
@@ -25,7 +25,7 @@ _MOST_ENDS = 8  # at a junction, of which all pairings are tried
 
 @dataclass(frozen=True)
 class End:
-    """One end of a branch: how it leaves the junction that is there.
+    """An end of a branch at a junction, and the direction in which it leaves that.
 
     Attributes
     ----------
@@ -33,7 +33,7 @@ class End:
         Its index.
     side : int
         0 for the first point of its line, 1 for the last.
-    way : (2,) float64
+    direction : (2,) float64
         Unit vector away from the junction.
     start : (2,) float64
         Where the branch is clear of the junction.
@@ -43,7 +43,7 @@ class End:
 
     branch: int
     side: int
-    way: NDArray[np.float64]
+    direction: NDArray[np.float64]
     start: NDArray[np.float64]
     width: float
 
@@ -89,7 +89,7 @@ def chains_of(
     cost : callable, optional
         What is added to the turn of two ends (degrees) where they shall be one stroke.
     """
-    mates = mates_of(skeleton, half_widths, cost)
+    mates = _mates_of(skeleton, half_widths, cost)
     used: set[int] = set()
     chains = []
     free = [(k, s) for k in range(len(skeleton.branches)) for s in (0, 1) if (k, s) not in mates]
@@ -108,7 +108,7 @@ def chains_of(
     return chains
 
 
-def mates_of(
+def _mates_of(
     skeleton: Skeleton,
     half_widths: Callable[[AnyArray], NDArray[np.float64]],
     cost: Callable[[End, End], float] | None = None,
@@ -145,10 +145,10 @@ def _end(
 ) -> End:
     """Direction in which a branch leaves a junction, taken where it is clear of it."""
     line = resample(branch.away_from(side), max(0.2 * junction.radius, 1e-3 * branch.length), 8)
-    way = np.linspace(0.0, branch.length, len(line))
+    along = np.linspace(0.0, branch.length, len(line))
     low = min(_DIRECTION_FROM * junction.radius, 0.4 * branch.length)
     high = min(low + (_DIRECTION_TO - _DIRECTION_FROM) * junction.radius, branch.length)
-    part = line[(way >= low) & (way <= high)]
+    part = line[(along >= low) & (along <= high)]
     if len(part) < 2:
         part = line[[0, -1]]
     direction = np.linalg.svd(part - part.mean(axis=0), full_matrices=False)[2][0]
@@ -159,10 +159,10 @@ def _end(
 
 def _turning(one: End, two: End) -> float:
     """Cost of one end going on in another, degrees."""
-    own = _turn_between(-one.way, two.way)
+    own = _turn_between(-one.direction, two.direction)
     gap = two.start - one.start
     if np.linalg.norm(gap) > 0.2 * (one.width + two.width):
-        across = 0.5 * (_turn_between(-one.way, gap) + _turn_between(two.way, gap))
+        across = 0.5 * (_turn_between(-one.direction, gap) + _turn_between(two.direction, gap))
     else:
         across = own
     ratio = max(one.width, 1e-12) / max(two.width, 1e-12)
@@ -183,7 +183,7 @@ def _best_pairs(prices: dict[tuple[int, int], float], n: int) -> list[tuple[int,
 def _try_pairs(
     left: Sequence[int], prices: dict[tuple[int, int], float]
 ) -> tuple[float, list[tuple[int, int]]]:
-    """The least sum of prices among the ends that are left, and its pairs."""
+    """The least sum of prices among the unpaired ends, and its pairs."""
     if len(left) < 2:
         return 0.0, []
     best = _try_pairs(left[1:], prices)

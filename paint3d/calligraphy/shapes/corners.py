@@ -24,7 +24,7 @@ __all__ = ["cut_at_corners", "cut_branch"]
 _SHARP = 50.0  # degrees
 _NEAR, _FAR = 0.8, 3.0  # half widths beside a corner between which its legs are taken
 _LEAST = 2.2  # half widths from a corner to the branch's end
-_STEP = 0.25  # half widths between the places looked at
+_STEP = 0.25  # half widths between the points looked at
 _BEGINNING = (-105.0, -10.0)  # where a corner opens to, degrees: two strokes begin there
 _ENDING = (15.0, 160.0)  # and there one ends at another, if a ring closes
 _TRIES = 8  # corners of one branch
@@ -42,7 +42,7 @@ def cut_at_corners(
     while waiting and tries > 0:
         tries -= 1
         branch = waiting.pop()
-        corner = _corner_of(branch, skeleton, half_widths)
+        corner = _find_corner(branch, skeleton, half_widths)
         if corner is not None:
             waiting += cut_branch(skeleton, triangles, branch, *corner)
 
@@ -50,7 +50,7 @@ def cut_at_corners(
 def cut_branch(
     skeleton: Skeleton, triangles: Triangles, branch: Branch, point: AnyArray, radius: float
 ) -> list[Branch]:
-    """Cut a branch at the place of its line nearest to a point; a ring becomes one open branch."""
+    """Cut a branch where its line is nearest to a point; a ring becomes one open branch."""
     line = branch.line
     at = int(np.argmin(np.linalg.norm(line - point, axis=1)))
     at = min(max(at, 1), len(line) - 2)
@@ -62,7 +62,7 @@ def cut_branch(
         return [branch]
     number = skeleton.add(line[at], radius)
     middles = triangles.points[triangles.corners[np.array(branch.cells, np.int64)]].mean(axis=1)
-    first = _nearest(middles, line) < at
+    first = _nearest_point(middles, line) < at
     gate = np.array([line[at], line[at]])
     cells = np.array(branch.cells, np.int64)
     one = Branch(
@@ -76,18 +76,18 @@ def cut_branch(
     return [one, two]
 
 
-def _nearest(places: AnyArray, points: AnyArray) -> NDArray[np.int64]:
-    """Index of the nearest of points (M, 2) to each of places (N, 2), a block at a time."""
+def _nearest_point(positions: AnyArray, points: AnyArray) -> NDArray[np.int64]:
+    """Index of the nearest of points (M, 2) to each of others (N, 2), a block at a time."""
     size = max(1, _AT_ONCE // len(points))
-    found = np.empty(len(places), np.int64)
-    for start in range(0, len(places), size):
-        block = places[start : start + size]
+    nearest = np.empty(len(positions), np.int64)
+    for start in range(0, len(positions), size):
+        block = positions[start : start + size]
         dx, dy = (block[:, None, k] - points[None, :, k] for k in (0, 1))
-        found[start : start + size] = np.argmin(np.sqrt(dx * dx + dy * dy), axis=1)
-    return found
+        nearest[start : start + size] = np.argmin(np.sqrt(dx * dx + dy * dy), axis=1)
+    return nearest
 
 
-def _corner_of(
+def _find_corner(
     branch: Branch,
     skeleton: Skeleton,
     half_widths: Callable[[AnyArray], NDArray[np.float64]],
@@ -102,31 +102,31 @@ def _corner_of(
     near, far = max(1, round(_NEAR * half / step)), max(2, round(_FAR * half / step))
     ring = skeleton.is_ring(branch)
     margin = 0 if ring else max(near + 1, round(_LEAST * half / step))
-    places = np.arange(margin, len(points) - margin)
-    back, on = (_legs(points, places, sign * np.array([near, far]), ring) for sign in (-1, 1))
+    indices = np.arange(margin, len(points) - margin)
+    back, on = (_legs(points, indices, sign * np.array([near, far]), ring) for sign in (-1, 1))
     turns = turns_between(-back, on)
     for k in np.argsort(-turns, kind="stable"):
         if turns[k] <= _SHARP:
             return None
         around = turns[max(0, k - far) : k + far + 1]
         if turns[k] >= around.max() and _ends_a_stroke(back[k] + on[k], branch, skeleton):
-            return points[places[k]], half
+            return points[indices[k]], half
     return None
 
 
-def _legs(points: AnyArray, places: AnyArray, reach: AnyArray, ring: bool) -> NDArray[np.float64]:
+def _legs(points: AnyArray, indices: AnyArray, reach: AnyArray, ring: bool) -> NDArray[np.float64]:
     """Unit vectors (N, 2) from corners along one of their legs, between two numbers of points."""
-    at = places[:, None] + reach
+    at = indices[:, None] + reach
     at = at % (len(points) - 1) if ring else np.clip(at, 0, len(points) - 1)
-    ways = points[at[:, 1]] - points[at[:, 0]]
-    ways = np.where(_sizes(ways) > 0.0, ways, points[at[:, 1]] - points[places])
-    sizes = _sizes(ways)
-    result: NDArray[np.float64] = ways / np.where(sizes > 0.0, sizes, 1.0)
+    legs = points[at[:, 1]] - points[at[:, 0]]
+    legs = np.where(_sizes(legs) > 0.0, legs, points[at[:, 1]] - points[indices])
+    sizes = _sizes(legs)
+    result: NDArray[np.float64] = legs / np.where(sizes > 0.0, sizes, 1.0)
     return result
 
 
-def _sizes(ways: AnyArray) -> NDArray[np.float64]:
-    return np.sqrt(row_products(ways, ways))[:, None]
+def _sizes(vectors: AnyArray) -> NDArray[np.float64]:
+    return np.sqrt(row_products(vectors, vectors))[:, None]
 
 
 def _ends_a_stroke(opening: AnyArray, branch: Branch, skeleton: Skeleton) -> bool:

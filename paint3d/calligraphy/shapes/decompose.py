@@ -27,9 +27,9 @@ from paint3d.calligraphy.shapes.transfer import (
     KnownStrokes,
     Labelled,
     fit_of,
-    in_known_order,
     label_chains,
     lay_over,
+    order_as_known,
 )
 from paint3d.calligraphy.shapes.triangles import triangulate
 from paint3d.core.arrays import AnyArray
@@ -83,17 +83,17 @@ def decompose(
     InputError
         If the outline has no area, or nothing but such parts.
     """
-    parts = _parts(outline)
+    parts = _connected_parts(outline)
     low = np.array(outline.bounds[:2])
     size = 2.0 ** math.ceil(math.log2(max(np.ptp(np.reshape(outline.bounds, (2, 2)), axis=0))))
     even = [_snap_to_grid(part, low, size) for part in parts]
     forms = [template] if isinstance(template, Glyph) else template or ()
     forms = [form for form in forms if form.strokes]
-    return [_stroke(piece, low, size) for piece in _pieces_of(even, forms, runs_on)]
+    return [_to_outline_frame(piece, low, size) for piece in _pieces_of(even, forms, runs_on)]
 
 
 def _snap_to_grid(part: Polygon, low: NDArray[np.float64], size: float) -> Polygon:
-    """A polygon from 0 to 1, on a grid so fine that none sees it: where it was does not matter."""
+    """A polygon normalized to 0 to 1 on a fine grid: the result does not depend on position."""
     import shapely
 
     return shapely.transform(part, lambda p: np.round((p - low) / size * _GRID) / _GRID)
@@ -118,7 +118,7 @@ def _pieces_of(parts: list[Polygon], forms: Sequence[Glyph], runs_on: bool) -> l
             mine = [(piece, None) for piece in _decompose_by_shape(_ink_of(part))]
         for piece, stroke in mine:  # what lies beside a dot is no part of it
             own.append((piece, dots.get(k, None if stroke in taken else stroke)))
-    return in_known_order(own, best.known, dots=taken)
+    return order_as_known(own, best.known, dots=taken)
 
 
 def _decompose_by_lines(ink: Ink, known: KnownStrokes) -> list[InkStroke]:
@@ -128,11 +128,11 @@ def _decompose_by_lines(ink: Ink, known: KnownStrokes) -> list[InkStroke]:
 
 
 def _decompose_joined(parts: list[Polygon], lines: Sequence[AnyArray]) -> list[InkStroke]:
-    """The strokes of letters that are joined along a line, where the way through them is known."""
+    """The strokes of joined letters, whose path is known."""
     inks = [_ink_of(part) for part in parts]
-    known = lay_over(lines, inks, _width(parts))
+    known = lay_over(lines, inks, _mean_width(parts))
     pieces = [(piece, None) for ink in inks for piece in _decompose_by_lines(ink, known)]
-    return in_known_order(pieces, known, by_start=True)
+    return order_as_known(pieces, known, by_start=True)
 
 
 class _Laid(NamedTuple):
@@ -164,12 +164,12 @@ def _best_form(parts: list[Polygon], forms: Sequence[Glyph]) -> _Laid:
 
 def _lay_forms(parts: list[Polygon], lines: Sequence[AnyArray]) -> _Laid:
     inks = [_ink_of(part) for part in parts]
-    known = lay_over(lines, inks, _width(parts))
+    known = lay_over(lines, inks, _mean_width(parts))
     labelled = [label_chains(ink, known) for ink in inks]
     return _Laid(*fit_of(inks, known, labelled), lines, known, inks, labelled)
 
 
-def _width(parts: list[Polygon]) -> float:
+def _mean_width(parts: list[Polygon]) -> float:
     """Mean width of the strokes of all parts."""
     import shapely
 
@@ -182,12 +182,12 @@ def _ink_of(part: Polygon) -> Ink:
     return Ink(triangles, skeleton_of(triangles))
 
 
-def thinnest_within(places: AnyArray) -> float:
-    """Least width of a part that reaches so far, places (N, 2), that is no hairline."""
-    return float(max(_HAIRLINE * np.ptp(places, axis=0).max(), _GRAIN * np.abs(places).max()))
+def thinnest_within(points: AnyArray) -> float:
+    """Least width of a part that reaches so far, points (N, 2), that is no hairline."""
+    return float(max(_HAIRLINE * np.ptp(points, axis=0).max(), _GRAIN * np.abs(points).max()))
 
 
-def _parts(outline: MultiPolygon) -> list[Polygon]:
+def _connected_parts(outline: MultiPolygon) -> list[Polygon]:
     """The connected polygons of a shape without specks, from the left, then from the top."""
     import shapely
 
@@ -195,8 +195,8 @@ def _parts(outline: MultiPolygon) -> list[Polygon]:
     parts = shapely.get_parts(shapely.get_parts(valid))
     thinnest = thinnest_within(np.reshape(outline.bounds, (2, 2)))
     parts = [part for part in parts if part.geom_type == "Polygon" and part.area > 0.0]
-    parts = [part for part in parts if _width([part]) >= thinnest]
-    parts = [part for part in parts if part.length <= 2.0 * _LONGEST * _width([part])]
+    parts = [part for part in parts if _mean_width([part]) >= thinnest]
+    parts = [part for part in parts if part.length <= 2.0 * _LONGEST * _mean_width([part])]
     if not parts:
         raise InputError(
             "the outline has no area, or is a hairline; expected a shape to fill, wider than a "
@@ -204,9 +204,9 @@ def _parts(outline: MultiPolygon) -> list[Polygon]:
             hairline=1.0 / _HAIRLINE,
             most=_LONGEST,
         )
-    least = _SPECK * _width(parts) ** 2
-    kept = [part for part in parts if part.area >= least]
-    return sorted(kept, key=lambda part: (part.bounds[0], -part.bounds[3], part.area))
+    least = _SPECK * _mean_width(parts) ** 2
+    large_parts = [part for part in parts if part.area >= least]
+    return sorted(large_parts, key=lambda part: (part.bounds[0], -part.bounds[3], part.area))
 
 
 def _decompose_by_shape(ink: Ink) -> list[InkStroke]:
@@ -233,7 +233,7 @@ def _decompose_by_template(
     return [(piece, stroke) for piece, (_, stroke) in zip(pieces, labelled, strict=True)]
 
 
-def _stroke(piece: InkStroke, low: NDArray[np.float64], size: float) -> GlyphStroke:
+def _to_outline_frame(piece: InkStroke, low: NDArray[np.float64], size: float) -> GlyphStroke:
     """A piece as a stroke of the outline's frame."""
     stroke = GlyphStroke.filling(piece.region, piece.line)
     return stroke.mapped(lambda points: low + size * points)

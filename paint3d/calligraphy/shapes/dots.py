@@ -1,4 +1,4 @@
-"""Shapes so compact that they have no direction of their own, alone or run together."""
+"""Dots: shapes too compact to have a direction of their own, alone or run together."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ def _compactness(shape: Polygon) -> float:
 
 
 def _part_at_waists(ink: Ink) -> list[InkStroke]:
-    """A shape divided at its waists, where all that come of it are dots; else nothing.
+    """A shape divided at its waists, if all its parts are dots; else nothing.
 
     Every triangle goes to the core that is nearest: what is left of the shape without a rim that
     is as deep as a waist may be.
@@ -114,28 +114,28 @@ def as_dot(shape: Polygon) -> InkStroke:
     sizes = np.linalg.norm(sides, axis=1)
     long = int(np.argmax(sizes))
     if _COMPACT < _compactness(shape) < _SQUARE:
-        way, reach = _longest_diagonal(shape)
+        direction, reach = _longest_diagonal(shape)
     else:
         is_round = bool(sizes[long] < _ROUND * sizes[1 - long])
-        way = np.array([1.0, 0.0]) if is_round else sides[long] / sizes[long]
+        direction = np.array([1.0, 0.0]) if is_round else sides[long] / sizes[long]
         reach = max(sizes[long] - sizes[1 - long], _SHORTEST * sizes[1 - long])
     middle = shape.centroid
     middle = middle if shape.contains(middle) else shape.representative_point()
     centre = np.array(middle.coords[0])
-    line = shapely.LineString([centre - 0.5 * reach * way, centre + 0.5 * reach * way])
+    line = shapely.LineString([centre - 0.5 * reach * direction, centre + 0.5 * reach * direction])
     inside = line.intersection(shape)
     longest = max(shapely.get_parts(inside), key=lambda part: part.length)
     return InkStroke(np.array(longest.coords), shape)
 
 
 def _longest_diagonal(shape: Polygon) -> tuple[NDArray[np.float64], float]:
-    """The way between the corners that are farthest apart, downwards if it can be; how far."""
+    """The vector between the corners that are farthest apart, downwards if possible; its length."""
     import shapely
 
     rim = shapely.get_coordinates(shape.convex_hull)
-    ways = rim[None] - rim[:, None]
-    apart = np.hypot(ways[..., 0], ways[..., 1])
-    falls = ways[..., 0] * ways[..., 1] < 0.0
+    diagonals = rim[None] - rim[:, None]
+    apart = np.hypot(diagonals[..., 0], diagonals[..., 1])
+    falls = diagonals[..., 0] * diagonals[..., 1] < 0.0
     from_there, to = np.unravel_index(np.argmax(apart * (1.0 + _FALL * falls)), apart.shape)
-    way, size = ways[from_there, to], float(apart[from_there, to])
-    return way / size * (1.0 if way[0] >= 0.0 else -1.0), _INTO_CORNERS * size
+    direction, size = diagonals[from_there, to], float(apart[from_there, to])
+    return direction / size * (1.0 if direction[0] >= 0.0 else -1.0), _INTO_CORNERS * size

@@ -27,10 +27,10 @@ __all__ = [
     "JoinedForm",
     "PlacedLetter",
     "body_strokes",
-    "directed",
     "form_of",
     "in_writing_order",
     "known_strokes",
+    "orient_line",
 ]
 
 _ALIKE = dict(
@@ -104,7 +104,7 @@ _JOINED = (
 
 
 class JoinedForm(Glyph):
-    """A letter as joined hands write it: a way so long and loose that it can be bent to much.
+    """A letter as joined hands write it: a path so long and loose that it can be bent to much.
 
     It counts where it lies nearer, by a quarter, than the letters that are set apart.
     """
@@ -290,7 +290,7 @@ def form_of(before: str, character: str, after: str) -> str:
 
 
 def body_strokes(letters: Sequence[PlacedLetter]) -> Glyph | None:
-    """The way of the pen through a body of joined letters, as they are read.
+    """The path of the pen through a body of joined letters, as they are read.
 
     Returns
     -------
@@ -298,20 +298,20 @@ def body_strokes(letters: Sequence[PlacedLetter]) -> Glyph | None:
         A stroke through all letters, then what is added to them, in the frame of their boxes;
         a letter that is not listed is gone through straight. None where none is listed.
     """
-    way: list[NDArray[np.float64]] = []
+    path: list[NDArray[np.float64]] = []
     added: list[NDArray[np.float64]] = []
-    found = False
+    is_listed = False
     for one in letters:
         listed = _BY_LETTER.get(one.character, {}).get(one.form)
-        found = found or listed is not None
+        is_listed = is_listed or listed is not None
         low, size = one.box[:2], one.box[2:] - one.box[:2]
         lines = [low + _parse_line(p) * size for p in (listed or "1,.2 0,.2").split(";")]
-        way.append(lines[0])
+        path.append(lines[0])
         added += lines[1:]
-    if not found:
+    if not is_listed:
         return None
     text = "".join(one.character for one in letters)
-    lines = [np.concatenate(way), *added]
+    lines = [np.concatenate(path), *added]
     return Glyph(text, tuple(map(_without_outline, lines)))
 
 
@@ -328,7 +328,7 @@ def body_strokes(letters: Sequence[PlacedLetter]) -> Glyph | None:
 
 _EASY = math.radians(-55.0)  # the way that a brush is drawn most easily
 _FIRST_PART = 0.6  # of a stroke: hooks come last
-_SHARES = (0.6, 0.4)  # of how the first part and the whole count
+_PART_WEIGHTS = (0.6, 0.4)  # of how the first part and the whole count
 _POINTED = 1.6  # how much a taper to a third counts beside that: what is easiest counts 2
 _NEAR_ENDS = (0.1, 0.2, 0.3)  # of a stroke from either end: where its taper is looked at
 _GAP = 0.25  # of a stroke's mean width that two parts may reach into each other
@@ -339,7 +339,7 @@ _WHOLE = 0.05  # that, by all of the stroke
 _FIRST_STROKE = 0.06  # of the height, that level strokes are written before others
 
 
-def directed(line: AnyArray, region: Polygon | None = None) -> NDArray[np.float64]:
+def orient_line(line: AnyArray, region: Polygon | None = None) -> NDArray[np.float64]:
     """A line (N, 2) in the direction that it is written in, by its stroke's taper, too, if given.
 
     What is left over of a known letter is judged by its line alone: it has no taper of its own.
@@ -356,10 +356,10 @@ def _taper(line: AnyArray, region: Polygon) -> float:
     """Logarithm of how much wider a stroke's first part is than its last, -1 to 1."""
     import shapely
 
-    way = arc_lengths(line)
-    at = way[-1] * np.array([_NEAR_ENDS, np.subtract(1.0, _NEAR_ENDS)])
-    places = interpolate(at.ravel(), way, line)
-    away = shapely.distance(shapely.points(places), region.boundary)
+    along = arc_lengths(line)
+    at = along[-1] * np.array([_NEAR_ENDS, np.subtract(1.0, _NEAR_ENDS)])
+    points = interpolate(at.ravel(), along, line)
+    away = shapely.distance(shapely.points(points), region.boundary)
     first, last = away.reshape(2, -1).sum(axis=1)
     if not (first > 0.0 and last > 0.0):  # a line outside of its region, which has none
         return 0.0
@@ -370,10 +370,10 @@ def _ease(line: AnyArray) -> float:
     """Ease with which a line is drawn."""
     at = round(_FIRST_PART * (len(line) - 1)) or 1
     total = 0.0
-    for end, share in zip((line[at], line[-1]), _SHARES, strict=True):
-        way = end - line[0]
-        if way.any():
-            total += share * math.cos(math.atan2(way[1], way[0]) - _EASY)
+    for end, weight in zip((line[at], line[-1]), _PART_WEIGHTS, strict=True):
+        step = end - line[0]
+        if step.any():
+            total += weight * math.cos(math.atan2(step[1], step[0]) - _EASY)
     return total
 
 
@@ -386,7 +386,7 @@ def in_writing_order(pieces: Sequence[InkStroke], *, runs_on: bool = False) -> l
     runs_on : bool
         Whether they are letters that are joined along a line, as in Arabic.
     """
-    turned = [InkStroke(directed(piece.line, piece.region), piece.region) for piece in pieces]
+    turned = [InkStroke(orient_line(piece.line, piece.region), piece.region) for piece in pieces]
     boxes = np.array([piece.region.bounds for piece in turned])
     areas = sum(piece.region.area for piece in turned)
     gap = _GAP * 2.0 * areas / sum(piece.region.length for piece in turned)

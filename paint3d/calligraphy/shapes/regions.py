@@ -33,7 +33,8 @@ __all__ = [
     "with_stubs",
 ]
 
-_LEFT_OUT, _LEFT_OUT_SHARE = 0.9, 0.35  # radii and share of a branch: straight through a junction
+# radii of a junction, and fraction of a branch, that a line goes straight over
+_LEFT_OUT, _LEFT_OUT_FRACTION = 0.9, 0.35
 _CALM = 0.35  # half widths that lines are smoothed over
 _STEP = 0.25  # half widths between the points of a line
 _LEAST_CALM = 0.02
@@ -45,7 +46,7 @@ _NO_WAY = 0.25  # half widths: shorter lines lead nowhere
 
 @dataclass(frozen=True, eq=False)
 class Ink:
-    """One connected shape with its triangles and its skeleton."""
+    """A connected shape with its triangles and its skeleton."""
 
     triangles: Triangles
     skeleton: Skeleton
@@ -62,7 +63,7 @@ class Ink:
 
 @dataclass(frozen=True, eq=False)
 class InkStroke:
-    """One stroke: its line (N, 2) and its region."""
+    """A stroke: its line (N, 2) and its region."""
 
     line: NDArray[np.float64]
     region: Polygon
@@ -76,13 +77,13 @@ def line_of(chain: Chain, ink: Ink) -> NDArray[np.float64]:
         line = branch.away_from(0 if forward else 1)
         ends = branch.ends if forward else branch.ends[::-1]
         radii = [ink.skeleton.junctions[number].radius for number in ends]
-        most = _LEFT_OUT_SHARE * branch.length
+        most = _LEFT_OUT_FRACTION * branch.length
         cut = [min(_LEFT_OUT * radius, most) for radius in radii]
-        way = arc_lengths(line)
+        along = arc_lengths(line)
         low = cut[0] if k > 0 or (chain.closed and n > 1) else 0.0
-        high = way[-1] - (cut[1] if k + 1 < n or (chain.closed and n > 1) else 0.0)
-        inner = line[(way > low) & (way < high)]
-        first, last = interpolate((low, high), way, line)
+        high = along[-1] - (cut[1] if k + 1 < n or (chain.closed and n > 1) else 0.0)
+        inner = line[(along > low) & (along < high)]
+        first, last = interpolate((low, high), along, line)
         parts.append(np.concatenate([[first], inner, [last]]))
     joined = np.concatenate(parts)
     return np.concatenate([joined, joined[:1]]) if chain.closed and n > 1 else joined
@@ -130,9 +131,9 @@ def _swept_area(branch: AnyArray, junction: Junction, line: AnyArray, ink: Ink) 
     """Area that a stroke of the branch's width sweeps along its line near a junction."""
     import shapely
 
-    way = arc_lengths(branch)
-    clear = min(1.2 * junction.radius, 0.5 * way[-1])
-    outside = interpolate([clear], way, branch)
+    along = arc_lengths(branch)
+    clear = min(1.2 * junction.radius, 0.5 * along[-1])
+    outside = interpolate([clear], along, branch)
     half = float(min(ink.half_widths(outside)[0], junction.radius))
     near = shapely.union_all([shapely.Point(p).buffer(1.2 * r) for p, r in junction.members])
     path = shapely.LineString(line).intersection(near)
@@ -184,8 +185,8 @@ def _polygon_along(region: Polygon, line: AnyArray) -> Polygon:
     import shapely
 
     parts = [part for part in shapely.get_parts(region) if part.geom_type == "Polygon"]
-    way = shapely.LineString(line)
-    inside = [(float(part.intersection(way).length), float(part.area)) for part in parts]
+    path = shapely.LineString(line)
+    inside = [(float(part.intersection(path).length), float(part.area)) for part in parts]
     return parts[inside.index(max(inside))]
 
 
@@ -193,15 +194,15 @@ def _longest_within(line: AnyArray, region: Polygon) -> NDArray[np.float64]:
     """The longest piece of a line that lies in a region."""
     import shapely
 
-    way = shapely.LineString(line)
-    if region.covers(way):
+    path = shapely.LineString(line)
+    if region.covers(path):
         return line
-    inside = shapely.line_merge(region.intersection(way))
+    inside = shapely.line_merge(region.intersection(path))
     parts = [part for part in shapely.get_parts(inside) if part.geom_type == "LineString"]
-    longest = max(parts, key=lambda part: part.length, default=way)
-    kept = np.array(longest.coords)
-    along = (kept[-1] - kept[0]) @ (line[-1] - line[0])
-    return kept if along >= 0.0 else kept[::-1]
+    longest = max(parts, key=lambda part: part.length, default=path)
+    longest_line = np.array(longest.coords)
+    along = (longest_line[-1] - longest_line[0]) @ (line[-1] - line[0])
+    return longest_line if along >= 0.0 else longest_line[::-1]
 
 
 # ---- Bare ends -----------------------------------------------------------------------------------
@@ -230,11 +231,11 @@ def with_stubs(strokes: Sequence[GlyphStroke], bold: float) -> list[GlyphStroke]
     bold : float
         Width from which on a stroke is, in the strokes' unit.
     """
-    found: list[GlyphStroke] = []
+    with_stubs_added: list[GlyphStroke] = []
     for stroke in strokes:
-        found.append(stroke)
-        found.extend(_find_stubs(stroke, bold))
-    return found
+        with_stubs_added.append(stroke)
+        with_stubs_added.extend(_find_stubs(stroke, bold))
+    return with_stubs_added
 
 
 def _find_stubs(stroke: GlyphStroke, bold: float) -> list[GlyphStroke]:
@@ -268,20 +269,16 @@ def _make_stub(part: Polygon, region: Polygon, line: LineString, half: float) ->
 
     middle = np.array(part.centroid.coords[0])
     root = np.array(line.interpolate(line.project(part.centroid)).coords[0])
-    way = _direction(root - middle)
+    length = float(np.hypot(*(root - middle)))
+    direction = (root - middle) / length if length > 0.0 else np.array([1.0, 0.0])
     own = part.buffer(_STUB_OVERLAP * half).intersection(region)
     own = max(polygons_of(own), key=lambda one: one.area)
-    along = (np.asarray(own.exterior.coords) - middle) @ way
+    along = (np.asarray(own.exterior.coords) - middle) @ direction
     start, end = along.min() + _FROM_EDGE * half, along.max() - _FROM_EDGE * half
-    straight = shapely.LineString([middle + start * way, middle + max(end, 0.0) * way])
+    straight = shapely.LineString([middle + start * direction, middle + max(end, 0.0) * direction])
     within = shapely.get_parts(straight.intersection(own.buffer(-_INSET * half)))
     longest = max(within, key=lambda one: one.length, default=None)
     if longest is None or not longest.length > _SHORTEST * half:
         return None
     ends = np.asarray(longest.coords)
     return GlyphStroke.filling(own, np.linspace(ends[0], ends[-1], 9))
-
-
-def _direction(way: AnyArray) -> AnyArray:
-    length = float(np.hypot(*way))
-    return way / length if length > 0.0 else np.array([1.0, 0.0])

@@ -125,7 +125,7 @@ _ONE_JUNCTION = 1.4  # radii: junctions nearer than this are one, as where two s
 
 
 def tidy(skeleton: Skeleton) -> None:
-    """Leave out what is no branch of a skeleton, and make one of what is one."""
+    """Prune, fold and merge a raw skeleton."""
     tidying = _Tidying(skeleton)
     tidying.prune()
     tidying.fold()
@@ -230,8 +230,8 @@ class _Tidying:
             out = spur.away_from(0 if spur.ends[0] == base else 1)
             if not _is_fold(out, self.junctions[base], [b.away_from(s) for b, s in here]):
                 continue
-            way = arc_lengths(out)
-            into = out[way <= max(way[-1] - self.junctions[base].radius, 0.0)]
+            along = arc_lengths(out)
+            into = out[along <= max(along[-1] - self.junctions[base].radius, 0.0)]
             self._remove(spur)
             self.junctions[base].cells += spur.cells + self.junctions.pop(tip).cells
             (leg, side), _ = here
@@ -257,11 +257,11 @@ class _Tidying:
 
     def _merge_into(self, one: int, two: int) -> None:
         """Make the second junction a part of the first."""
-        kept, gone = self.junctions[one], self.junctions.pop(two)
-        kept.members = kept.members + gone.members
-        kept.cells += gone.cells
-        kept.point = np.mean([point for point, _ in kept.members], axis=0)
-        kept.radius = max(kept.radius, gone.radius)
+        target, gone = self.junctions[one], self.junctions.pop(two)
+        target.members = target.members + gone.members
+        target.cells += gone.cells
+        target.point = np.mean([point for point, _ in target.members], axis=0)
+        target.radius = max(target.radius, gone.radius)
         ends = [*self.here[one], *self.here.pop(two)]
         for branch, _ in ends:
             a, b = branch.ends
@@ -286,17 +286,17 @@ class _Least:
         self._heap: list[tuple[float, int, Branch]] = []
 
     def set(self, figures: Iterable[tuple[Branch, float, int]]) -> None:
-        """Give branches other figures, with the order in which each was added."""
+        """Set the figures of branches, with the order in which each was added."""
         for branch, figure, order in figures:
             self._figures[branch] = figure
             heapq.heappush(self._heap, (figure, order, branch))
 
     def forget(self, branch: Branch) -> None:
-        """Leave a branch out."""
+        """Remove a branch."""
         self._figures.pop(branch, None)
 
     def pop(self, below: float) -> Branch | None:
-        """The branch with the least figure, which is left out; none where that is not below one."""
+        """Remove and return the branch with the least figure; None where that is not below one."""
         while self._heap and self._heap[0][0] < below:
             figure, _, branch = heapq.heappop(self._heap)
             if self._figures.get(branch) == figure:
@@ -307,12 +307,12 @@ class _Least:
 
 def _is_fold(out: AnyArray, base: Junction, legs: list[AnyArray]) -> bool:
     """Return whether a spur is no longer than two legs of a stroke would run together there."""
-    ways = []
+    directions = []
     for line in (out, *legs):
         far = np.linalg.norm(line - line[0], axis=1) >= 2.0 * base.radius
-        ways.append(line[int(np.argmax(far)) if far.any() else -1] - line[0])
-    back = [math.acos(_cosine(-ways[0], way)) for way in ways[1:]]
-    half = 0.5 * math.acos(_cosine(ways[1], ways[2]))
+        directions.append(line[int(np.argmax(far)) if far.any() else -1] - line[0])
+    back = [math.acos(_cosine(-directions[0], direction)) for direction in directions[1:]]
+    half = 0.5 * math.acos(_cosine(directions[1], directions[2]))
     if max(back) > _FOLDED or half > 0.5 * _FOLDED or half <= 0.0:
         return False
     thick = base.radius * 0.5 / math.cos(half) + 0.5 * base.radius
@@ -339,7 +339,7 @@ def _trace(triangles: Triangles) -> Skeleton:
     """Walk from every triangle that has not two neighbours along those that have."""
     degrees = triangles.degrees()
     numbers = np.flatnonzero(degrees != 2)
-    points = [_node(triangles, int(t), int(degrees[t])) for t in numbers]
+    points = [_skeleton_end(triangles, int(t), int(degrees[t])) for t in numbers]
     radii = triangles.to_edge(np.array(points).reshape(-1, 2))
     junctions = {
         int(t): Junction(point, float(r), [int(t)])
@@ -363,7 +363,7 @@ def _trace(triangles: Triangles) -> Skeleton:
     return Skeleton(junctions, branches)
 
 
-def _node(triangles: Triangles, t: int, degree: int) -> NDArray[np.float64]:
+def _skeleton_end(triangles: Triangles, t: int, degree: int) -> NDArray[np.float64]:
     """Point where the skeleton ends or branches in a triangle."""
     if degree != 1:
         return triangles.middle(t)
@@ -379,40 +379,40 @@ def _walk_branch(
     first = triangles.beyond[start][k]
     if first < 0 or (seen[first] and triangles.beyond[first].count(-1) == 1):
         return None
-    cells, ways = _corridor(triangles, start, k, seen)
-    before, onward = cells[-1], ways[-1]
+    cells, edges = _walk_corridor(triangles, start, k, seen)
+    before, onward = cells[-1], edges[-1]
     here = triangles.beyond[before][onward]
     if len(cells) == 1 and start > here:  # neighbours are walked once
         return None
     gates = triangles.edge(start, k), triangles.edge(before, onward)
-    return Branch((start, here), triangles.middles_of_edges[cells, ways], cells[1:], gates)
+    return Branch((start, here), triangles.middles_of_edges[cells, edges], cells[1:], gates)
 
 
 def _walk_ring(triangles: Triangles, start: int, seen: NDArray[np.bool_]) -> Branch:
     """A branch that closes on itself, from the start's number to itself."""
     seen[start] = True
     first = int(np.argmax(triangles.neighbours[start] >= 0))
-    cells, ways = _corridor(triangles, start, first, seen)
-    line = triangles.middles_of_edges[cells, ways]
+    cells, edges = _walk_corridor(triangles, start, first, seen)
+    line = triangles.middles_of_edges[cells, edges]
     top = int(np.argmax(line[:, 1]))
     gate = triangles.edge(start, first)
     turned = np.concatenate([line[top:], line[: top + 1]])
     return Branch((start, start), turned, cells, (gate, gate))
 
 
-def _corridor(
+def _walk_corridor(
     triangles: Triangles, start: int, k: int, seen: NDArray[np.bool_]
 ) -> tuple[list[int], list[int]]:
     """Triangles from one on, through its edge k, as long as they have two neighbours and are new.
 
-    With each stands the edge by which the way leaves it. What is walked through is marked as seen.
+    With each stands the edge by which the path leaves it. What is walked through is marked as seen.
     """
-    cells, ways = [start], [k]
+    cells, edges = [start], [k]
     while True:
-        here = triangles.beyond[cells[-1]][ways[-1]]
+        here = triangles.beyond[cells[-1]][edges[-1]]
         around = triangles.beyond[here]
         if seen[here] or around.count(-1) != 1:
-            return cells, ways
+            return cells, edges
         seen[here] = True
-        ways.append(next(e for e in range(3) if around[e] not in (-1, cells[-1])))
+        edges.append(next(e for e in range(3) if around[e] not in (-1, cells[-1])))
         cells.append(here)

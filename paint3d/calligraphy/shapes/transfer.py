@@ -16,21 +16,20 @@ from numpy.typing import NDArray
 
 from paint3d.calligraphy.shapes.continuation import Chain, End, chains_of, turns_between
 from paint3d.calligraphy.shapes.corners import cut_branch
-from paint3d.calligraphy.shapes.ductus import directed
+from paint3d.calligraphy.shapes.ductus import orient_line
 from paint3d.calligraphy.shapes.regions import Ink, InkStroke, line_of
 from paint3d.calligraphy.shapes.skeleton import Branch
 from paint3d.core.arrays import AnyArray
 from paint3d.core.polyline import line_length, resample
 
 __all__ = [
-    "STARTS",
     "Fit",
     "KnownStrokes",
     "Labelled",
     "fit_of",
-    "in_known_order",
     "label_chains",
     "lay_over",
+    "order_as_known",
     "register",
     "tangents_of",
 ]
@@ -49,15 +48,15 @@ _MOST_POINTS, _LEAST_STEP = 120, 14.0
 _SIGHTS = (110.0, 80.0, 60.0, 45.0, 34.0, 26.0, 20.0, 15.0, 12.0)
 _COARSE = 24.0  # sights above it move all strokes together, others each nearly for itself
 _REACH, _OWN_REACH = 170.0, 90.0  # how far a point takes others along
-_TOGETHER_EM, _APART = 0.75, 0.15  # the share of that across strokes
+_TOGETHER_EM, _APART = 0.75, 0.15  # the fraction of that across strokes
 _STIFF = 1.0  # at a sight of 60
-_NOISE = 2e-4  # share of the points that belong to nothing
+_NOISE = 2e-4  # fraction of the points that belong to nothing
 _UNALIKE = 0.03  # what remains of the sight across lines at right angles
 _SURE, _UNSURE = 1.5, 0.02
 _OUTER = (2.0, 98.0)  # percentiles of the boxes that are laid over each other first
 _STRETCH = (0.4, 2.5)
 _SWASH = 15.0  # percent of a capital's skeleton that may be an ornament on its left
-STARTS = ("box", "slanted", "swash")
+_STARTS = ("box", "slanted", "swash")
 """Ways to lay lines over a skeleton at first, in the order in which they are tried."""
 
 
@@ -240,7 +239,7 @@ class KnownStrokes:
     def placed(
         self, line: AnyArray, stroke: int | None = None, without: Collection[int] = ()
     ) -> tuple[float, float]:
-        """Place of a line, as stroke plus station, and how much of it is written forward, -1 to 1.
+        """Position of a line, as stroke plus station, and how far it is written forward, -1 to 1.
 
         On the stroke, or on the nearest ones but for some.
 
@@ -252,8 +251,8 @@ class KnownStrokes:
         if abs(forward) < _UNCLEAR and np.ptp(strokes) > 0:
             at = strokes + self.station[nearest]
             forward = float(np.sign(at[None] - at[:, None])[np.triu_indices(len(at))].mean())
-        place = float(np.median(strokes) + 0.99 * np.median(self.station[nearest]))
-        return place, forward
+        position = float(np.median(strokes) + 0.99 * np.median(self.station[nearest]))
+        return position, forward
 
     def _nearest(
         self, line: AnyArray, stroke: int | None, without: Collection[int] = ()
@@ -284,7 +283,7 @@ def lay_over(lines: Sequence[AnyArray], inks: Sequence[Ink], width: float) -> Kn
             tangents.append(np.array([[0.7, -0.7]]))
     goals = np.concatenate(targets), np.concatenate(tangents)
     best: tuple[float, KnownStrokes] | None = None
-    for start in STARTS:
+    for start in _STARTS:
         moved = register(lines, *goals, start=start)
         known = _known_points([resample(line, width / _SAMPLE, 6) for line in moved], width)
         along = [known.costs(one).min(axis=1) for one in targets if len(one) > 1]
@@ -319,7 +318,7 @@ class Fit(IntEnum):
 def fit_of(
     inks: Sequence[Ink], known: KnownStrokes, labelled: Sequence[Labelled]
 ) -> tuple[Fit, float]:
-    """Return how far a shape is a drawing of the known character, by how the lines lie on it.
+    """The likeness of a shape to the known character, by how the lines lie on it.
 
     Parameters
     ----------
@@ -400,12 +399,12 @@ def label_chains(ink: Ink, known: KnownStrokes, *, tear: bool = True) -> Labelle
         k: max(n for n, (_, j) in zip(lengths, labelled, strict=True) if j == k)
         for _, k in labelled
     }
-    kept = [
+    long_enough = [
         entry
         for entry, length in zip(labelled, lengths, strict=True)
         if length >= min(_SPUR * known.width, longest[entry[1]])
     ]
-    return Labelled(kept, torn)
+    return Labelled(long_enough, torn)
 
 
 def _stroke_of(chain: Chain, ink: Ink, known: KnownStrokes) -> int:
@@ -458,19 +457,19 @@ def _cut_where_strokes_change(ink: Ink, known: KnownStrokes, tear: bool) -> int:
     while waiting and left > 0:
         left -= 1
         branch = waiting.pop()
-        place = _change_in(branch, known, tear)
-        if place is not None:
-            point, turn = place
+        change = _find_change(branch, known, tear)
+        if change is not None:
+            point, turn = change
             torn += turn < _SMOOTH
             radius = float(ink.half_widths(point[None])[0])
             waiting += cut_branch(ink.skeleton, ink.triangles, branch, point, radius)
     return torn
 
 
-def _change_in(
+def _find_change(
     branch: Branch, known: KnownStrokes, tear: bool
 ) -> tuple[NDArray[np.float64], float] | None:
-    """Place in a branch where a stroke gives way to another, and its turn there, degrees.
+    """Position in a branch where a stroke gives way to another, and its turn there, degrees.
 
     Where smooth lines are not torn, at a corner.
     """
@@ -511,7 +510,7 @@ def _cheapest_sequence(costs: AnyArray, price: AnyArray) -> NDArray[np.int64]:
     return labels
 
 
-def in_known_order(
+def order_as_known(
     pieces: Sequence[tuple[InkStroke, int | None]],
     known: KnownStrokes,
     *,
@@ -526,15 +525,15 @@ def in_known_order(
     placed: list[tuple[float, int, InkStroke, float]] = []
     for piece, stroke in pieces:
         line = resample(piece.line, _STEP * known.width, 5)
-        place, forward = known.placed(line, stroke, dots)
+        position, forward = known.placed(line, stroke, dots)
         turned = piece.line if forward >= 0.0 else piece.line[::-1]
         if abs(forward) < _UNCLEAR or known.residual(line) > _STRANGE:
-            turned, forward = directed(piece.line), 0.0
+            turned, forward = orient_line(piece.line), 0.0
         if by_start:
             begins = resample(turned, _STEP * known.width, 5)
             begins = begins[: max(3, round(_NEAR_END / _STEP))]
-            place, _ = known.placed(begins, stroke, dots)
-        placed.append((place, len(placed), InkStroke(turned, piece.region), abs(forward)))
+            position, _ = known.placed(begins, stroke, dots)
+        placed.append((position, len(placed), InkStroke(turned, piece.region), abs(forward)))
     ordered: list[InkStroke] = []
     for _, _, piece, sure in sorted(placed, key=lambda entry: entry[:2]):
         if ordered and not by_start and _runs_back(ordered[-1].line, piece.line, sure, known.width):
@@ -551,8 +550,8 @@ def _runs_back(before: AnyArray, line: AnyArray, sure: float, width: float) -> b
     away = np.linalg.norm(line[[0, -1]] - before[-1], axis=1)
     if not away[1] < _TOUCHING * width < away[0]:
         return False
-    ways = [resample(one, _STEP * width, 5) for one in (before, line[::-1])]
+    lines = [resample(one, _STEP * width, 5) for one in (before, line[::-1])]
     reach = max(2, round(1.0 / _STEP))
-    arrives, leaves = ways[0][-1] - ways[0][-1 - reach], ways[1][reach] - ways[1][0]
+    arrives, leaves = lines[0][-1] - lines[0][-1 - reach], lines[1][reach] - lines[1][0]
     smooth = float(turns_between(arrives[None], leaves[None])[0]) < _RUNS_ON
     return sure < (_DOUBTFUL if smooth else _UNCLEAR)

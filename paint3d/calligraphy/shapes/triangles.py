@@ -19,7 +19,7 @@ from paint3d.core.arrays import AnyArray
 if TYPE_CHECKING:
     from shapely import Polygon, STRtree
 
-__all__ = ["Triangles", "mean_width", "triangulate"]
+__all__ = ["Triangles", "triangulate"]
 
 _SAMPLES = 8.0  # of the edge, to a stroke's width
 _MOST_SAMPLES = 20_000
@@ -98,11 +98,11 @@ class Triangles:
         import shapely
 
         lines, tree = self._edge_index
-        places = shapely.points(points)
-        result: NDArray[np.float64] = shapely.distance(places, lines[tree.nearest(places)])
+        positions = shapely.points(points)
+        result: NDArray[np.float64] = shapely.distance(positions, lines[tree.nearest(positions)])
         reach = (1.0 + _ROUNDED) * result  # of some that are as near, the tree takes any
-        which, near = tree.query(places, predicate="dwithin", distance=reach)
-        np.minimum.at(result, which, shapely.distance(places[which], lines[near]))
+        which, near = tree.query(positions, predicate="dwithin", distance=reach)
+        np.minimum.at(result, which, shapely.distance(positions[which], lines[near]))
         return result
 
     def region(self, triangles: AnyArray | list[int]) -> Polygon:
@@ -114,16 +114,13 @@ class Triangles:
         return shapely.coverage_union_all(shapely.polygons(rings))
 
 
-def mean_width(shape: Polygon) -> float:
-    """The mean width of the strokes of a shape: twice its area by its perimeter."""
-    return 2.0 * float(shape.area) / float(shape.length)
-
-
 def triangulate(shape: Polygon) -> Triangles:
     """Sample the edges of a polygon and divide it into triangles."""
     import shapely
 
-    step = max(mean_width(shape) / _SAMPLES, float(shape.length) / _MOST_SAMPLES)
+    perimeter = float(shape.length)
+    mean_width = 2.0 * float(shape.area) / perimeter  # of its strokes
+    step = max(mean_width / _SAMPLES, perimeter / _MOST_SAMPLES)
     dense = shapely.segmentize(shape, step)
     parts = shapely.get_parts(shapely.constrained_delaunay_triangles(dense))
     corners = shapely.get_coordinates(parts).reshape(-1, 4, 2)[:, :3]

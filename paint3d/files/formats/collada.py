@@ -64,17 +64,17 @@ def read_collada(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     MeshError
         If pycollada is missing, the XML declares entities, or there is nothing to paint on.
     """
-    trimesh = _package("trimesh")
-    _package("collada")
+    trimesh = _import_package("trimesh")
+    _import_package("collada")
     packed = data[:2] == b"PK"
     up, is_painted = None, False
-    for root in _packed_documents(data) if packed else (_document(data),):
-        up = up or _up_of(root)
+    for root in _unpack_documents(data) if packed else (_parse_document(data),):
+        up = up or _find_up(root)
         is_painted |= any(element.get("semantic") == "COLOR" for element in root.iter())
     beside = {"resolver": _Beside(folder)} if texture and not packed else {}
     try:
-        found = trimesh.load_scene(io.BytesIO(data), file_type="zae" if packed else "dae", **beside)
-        raw = read_trimesh(found, texture)  # looks at what was only noted down until now
+        scene = trimesh.load_scene(io.BytesIO(data), file_type="zae" if packed else "dae", **beside)
+        raw = read_trimesh(scene, texture)  # looks at what was only noted down until now
     except MeshError:
         raise
     except Exception as cause:  # of any kind: its readers trust what they read
@@ -88,7 +88,7 @@ def read_collada(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     return replace(raw, up=up, notes=raw.notes + notes)
 
 
-def _package(module: str) -> Any:
+def _import_package(module: str) -> Any:
     try:
         return import_module(module)
     except ImportError:
@@ -100,14 +100,14 @@ def _package(module: str) -> Any:
         ) from None
 
 
-def _document(data: bytes) -> ElementTree.Element:
+def _parse_document(data: bytes) -> ElementTree.Element:
     try:
         return parse_xml(data, DEEPEST, doctypes=False)
     except XmlFault as fault:
         raise MeshError("it is not COLLADA that is read: {fault}", fault=fault) from None
 
 
-def _packed_documents(data: bytes) -> Iterator[ElementTree.Element]:
+def _unpack_documents(data: bytes) -> Iterator[ElementTree.Element]:
     """Yield every XML in an archive, after a look that it declares no entities."""
     try:
         with zipfile.ZipFile(io.BytesIO(data)) as package:
@@ -119,7 +119,7 @@ def _packed_documents(data: bytes) -> Iterator[ElementTree.Element]:
             for entry in package.infolist():
                 content = package.read(entry)
                 if content.lstrip(b"\xef\xbb\xbf \t\r\n")[:1] == b"<":
-                    yield _document(content)
+                    yield _parse_document(content)
     except MeshError:
         raise
     except Exception as cause:  # of any kind: every packing has its own
@@ -128,7 +128,7 @@ def _packed_documents(data: bytes) -> Iterator[ElementTree.Element]:
         ) from None
 
 
-def _up_of(root: ElementTree.Element) -> str | None:
+def _find_up(root: ElementTree.Element) -> str | None:
     for element in root.iter():
         if element.tag.rpartition("}")[2] == "up_axis":
             return UP.get((element.text or "").strip())

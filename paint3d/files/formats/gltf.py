@@ -22,7 +22,7 @@ from paint3d.files.colours import (
     NAMED_AS_COLOUR,
     REPEAT,
     Look,
-    colour_shares,
+    colour_fractions,
     open_picture,
     srgb_from_linear,
 )
@@ -31,22 +31,13 @@ from paint3d.files.finish import Finish, Texture
 from paint3d.files.raw_mesh import RawMesh, check_count, join_meshes, left_out
 
 __all__ = [
-    "GENERATOR",
-    "INDEX_DATA",
-    "METRE_MM",
     "STEPS",
-    "VERTEX_DATA",
     "GltfFile",
     "GltfPaint",
-    "check_kinds",
     "find_steps",
     "material",
     "read_gltf",
-    "take_steps",
-    "unpack_draco",
     "unpack_meshopt",
-    "vertex_accessor",
-    "write_container",
     "write_glb",
     "write_textured_glb",
 ]
@@ -55,16 +46,16 @@ __all__ = [
 # The GLB container: a JSON document, then the bytes of its buffer views.
 
 
-GENERATOR = "paint3d"
+_GENERATOR = "paint3d"
 """What a file says made it."""
 FLOAT = 5126
 LARGEST = (1 << 32) - 1
-VERTEX_DATA, INDEX_DATA = 34962, 34963
+_VERTEX_DATA, _INDEX_DATA = 34962, 34963
 UNLIT = "KHR_materials_unlit"
 TYPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3"}
 
 
-def write_container(
+def _write_container(
     path: Path, document: dict[str, Any], blocks: Sequence[tuple[AnyArray | bytes, int | None]]
 ) -> None:
     """Write a scene of one mesh, whose nodes, buffers and views are added to its document.
@@ -73,7 +64,7 @@ def write_container(
     ----------
     path : Path
     document : dict
-        With meshes, materials and accessors; these refer to `blocks` by their places.
+        With meshes, materials and accessors; these refer to `blocks` by index.
     blocks : sequence of (array or bytes, target or None)
         What the buffer views hold, in order, and what the graphics card takes them for.
 
@@ -93,7 +84,7 @@ def write_container(
         views.append(view | ({} if target is None else {"target": target}))
         end += len(content) + -len(content) % 4
     document = {
-        "asset": {"version": "2.0", "generator": GENERATOR},
+        "asset": {"version": "2.0", "generator": _GENERATOR},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"mesh": 0, "name": name}],
@@ -128,7 +119,7 @@ def material(finish: Finish, unlit: bool, **surface: object) -> dict[str, Any]:
     return {"name": finish.name, "pbrMetallicRoughness": surface, "doubleSided": True, **extensions}
 
 
-def vertex_accessor(
+def _vertex_accessor(
     view: int, values: NDArray[np.float32], *, limits: bool = False
 ) -> dict[str, Any]:
     """Return the accessor of float32 numbers (V,) or vectors (V, 2 or 3), with limits if wanted."""
@@ -149,10 +140,10 @@ DRACO, MESHOPT = "KHR_draco_mesh_compression", "EXT_meshopt_compression"
 _HOW = "pip install 'paint3d[meshes]'"
 
 
-def unpack_draco(
+def _unpack_draco(
     data: bytes, primitive: dict[str, Any], asked: dict[str, int]
 ) -> dict[int, AnyArray]:
-    """The values that a packed primitive's accessors stand for.
+    """The values of a Draco-compressed primitive's accessors.
 
     Parameters
     ----------
@@ -184,17 +175,17 @@ def unpack_draco(
         unpacked = DracoPy.decode(data)
     except Exception as cause:  # of its own kinds, not all of them derived from one
         raise MeshError("its Draco data cannot be unpacked: {cause}", cause=cause) from None
-    held = {one["unique_id"]: one["data"] for one in unpacked.attributes}
+    attributes = {one["unique_id"]: one["data"] for one in unpacked.attributes}
     values = {}
     for name, number in asked.items():
-        if number not in held:
+        if number not in attributes:
             raise MeshError(
                 "its Draco data has no attribute {number} for {name}",
                 number=number,
                 name=name,
             )
         if name in primitive["attributes"]:
-            values[primitive["attributes"][name]] = held[number]
+            values[primitive["attributes"][name]] = attributes[number]
     faces = getattr(unpacked, "faces", None)
     if faces is not None and "indices" in primitive:
         values[primitive["indices"]] = faces.reshape(-1, 1)
@@ -316,48 +307,48 @@ PRIMITIVE = {"attributes": dict, "extensions": dict}
 SURFACE = {"baseColorTexture": dict, "baseColorFactor": list}
 
 
-def check_kinds(document: Mapping[str, Any]) -> None:
-    """Refuse a document that is of another version, or whose parts are of another kind.
+def _check_kinds(document: Mapping[str, Any]) -> None:
+    """Refuse a document of another version, or with parts of another type.
 
     Raises
     ------
     MeshError
         Naming the part, what it is, and what was expected.
     """
-    _check(document, {"asset": dict, "extensionsRequired": list, "extensionsUsed": list}, "")
+    _check_entry(document, {"asset": dict, "extensionsRequired": list, "extensionsUsed": list}, "")
     version = str(document.get("asset", {}).get("version", "2.0"))
     if not version.startswith("2."):
         raise MeshError("it is glTF version {version:.20}; expected 2", version=version)
     if isinstance(document.get("scenes"), dict):  # named, not counted, as in the first version
         raise MeshError("its scenes are named, as in glTF version 1; expected 2")
-    _check(document, dict.fromkeys(PARTS, list), "")
+    _check_entry(document, dict.fromkeys(PARTS, list), "")
     for name, kinds in PARTS.items():
         for k, entry in enumerate(document.get(name, [])):
-            place = f"{name}[{k}]"
-            _expect(entry, dict, place)
-            _check(entry, kinds, f"{place}.")
+            where = f"{name}[{k}]"
+            _expect(entry, dict, where)
+            _check_entry(entry, kinds, f"{where}.")
             if name == "meshes":
                 for j, primitive in enumerate(entry.get("primitives", [])):
-                    _expect(primitive, dict, f"{place}.primitives[{j}]")
-                    _check(primitive, PRIMITIVE, f"{place}.primitives[{j}].")
+                    _expect(primitive, dict, f"{where}.primitives[{j}]")
+                    _check_entry(primitive, PRIMITIVE, f"{where}.primitives[{j}].")
             elif name == "materials":
                 inner = entry.get("pbrMetallicRoughness", {})
-                _check(inner, SURFACE, f"{place}.pbrMetallicRoughness.")
+                _check_entry(inner, SURFACE, f"{where}.pbrMetallicRoughness.")
 
 
-def _check(entry: Mapping[str, Any], kinds: Mapping[str, type], place: str) -> None:
+def _check_entry(entry: Mapping[str, Any], kinds: Mapping[str, type], where: str) -> None:
     for name, kind in kinds.items():
         if name in entry:
-            _expect(entry[name], kind, f"{place}{name}")
+            _expect(entry[name], kind, f"{where}{name}")
 
 
-def _expect(value: object, kind: type, place: str) -> None:
+def _expect(value: object, kind: type, where: str) -> None:
     if not isinstance(value, kind):
-        found = KINDS.get(type(value), Message("a number"))
+        kind_name = KINDS.get(type(value), Message("a number"))
         raise MeshError(
             "its {place} is {found}; expected {kinds}",
-            place=place,
-            found=found,
+            place=where,
+            found=kind_name,
             kinds=KINDS[kind],
         )
 
@@ -392,7 +383,7 @@ class GltfFile:
         self.binary: bytes | None = None
         text = self._open_container(data) if data[:4] == b"glTF" else data
         self.document = parse_json(text)
-        check_kinds(self.document)
+        _check_kinds(self.document)
         self._buffers: dict[int, bytes] = {}
         self._unpacked: dict[int, AnyArray] = {}
         self._views: dict[int, bytes] = {}
@@ -456,7 +447,7 @@ class GltfFile:
         """
         accessor = self.item("accessors", index)
         if index in self._unpacked:
-            return _unpacked(self._unpacked[index], accessor)
+            return _check_unpacked(self._unpacked[index], accessor)
         dtype = np.dtype(COMPONENTS[accessor["componentType"]])
         width, count = WIDTHS[accessor["type"]], accessor["count"]
         if "bufferView" in accessor:
@@ -466,13 +457,25 @@ class GltfFile:
             check_count(count, 1, MAX_ZEROS, Message("elements in an accessor"))
             values = np.zeros((count, width), dtype)
         if "sparse" in accessor:
-            values = self._with_sparse(values, accessor["sparse"], dtype, width)
+            sparse = accessor["sparse"]  # rows that replace those of the accessor
+            where, what, n = sparse["indices"], sparse["values"], sparse["count"]
+            index_type = np.dtype(COMPONENTS[where["componentType"]])
+            start = where.get("byteOffset", 0)
+            rows = self._view(where["bufferView"], start, index_type, 1, n)[:, 0]
+            if len(rows) and rows.max() >= len(values):
+                raise MeshError(
+                    "a sparse accessor replaces element {most} of {n}",
+                    most=rows.max(),
+                    n=len(values),
+                )
+            values, start = values.copy(), what.get("byteOffset", 0)
+            values[rows] = self._view(what["bufferView"], start, dtype, width, n)
         if accessor.get("normalized") and dtype.kind in "iu":
             return np.maximum(values / float(np.iinfo(dtype).max), -1.0)
         return values
 
     def unpack(self, primitive: dict[str, Any], packed: dict[str, Any]) -> None:
-        """Have the numbers of a primitive that is packed by Draco, as its extension says.
+        """Unpack the numbers of a primitive that is packed by Draco, as its extension says.
 
         Raises
         ------
@@ -482,23 +485,7 @@ class GltfFile:
         if not isinstance(packed, dict) or not isinstance(packed.get("attributes"), dict):
             raise MeshError("its Draco extension is no object with attributes")
         data = self.view_bytes(packed["bufferView"])
-        self._unpacked |= unpack_draco(data, primitive, packed["attributes"])
-
-    def _with_sparse(
-        self, values: AnyArray, sparse: dict[str, Any], dtype: np.dtype, width: int
-    ) -> AnyArray:
-        where, what, n = sparse["indices"], sparse["values"], sparse["count"]
-        index_type = np.dtype(COMPONENTS[where["componentType"]])
-        rows = self._view(where["bufferView"], where.get("byteOffset", 0), index_type, 1, n)[:, 0]
-        if len(rows) and rows.max() >= len(values):
-            raise MeshError(
-                "a sparse accessor replaces element {most} of {n}",
-                most=rows.max(),
-                n=len(values),
-            )
-        changed = values.copy()
-        changed[rows] = self._view(what["bufferView"], what.get("byteOffset", 0), dtype, width, n)
-        return changed
+        self._unpacked |= _unpack_draco(data, primitive, packed["attributes"])
 
     def _view(self, index: int, start: int, dtype: np.dtype, width: int, count: int) -> AnyArray:
         """Return (count, width) values of a buffer view, without copying."""
@@ -510,7 +497,7 @@ class GltfFile:
         if packed is None:
             data = self._buffer(view["buffer"])
         else:
-            data, begin = self._unpacked_view(index, packed), 0
+            data, begin = self._unpack_view(index, packed), 0
         if min(begin, start, length, count) < 0 or stride < size or begin + length > len(data):
             raise MeshError("bufferViews[{index}] does not fit into its buffer", index=index)
         if count and start + (count - 1) * stride + size > length:
@@ -519,7 +506,7 @@ class GltfFile:
             (count, width), dtype, data, begin + start if count else 0, (stride, dtype.itemsize)
         )
 
-    def _unpacked_view(self, index: int, packed: dict[str, Any]) -> bytes:
+    def _unpack_view(self, index: int, packed: dict[str, Any]) -> bytes:
         if index not in self._views:
             begin, length = packed.get("byteOffset", 0), packed["byteLength"]
             data = self._buffer(packed["buffer"])
@@ -534,7 +521,11 @@ class GltfFile:
     def _buffer(self, index: int) -> bytes:
         if index not in self._buffers:
             buffer = self.item("buffers", index)
-            data = self._load(buffer.get("uri"))
+            uri, data = buffer.get("uri"), self.binary
+            if uri is not None:
+                data = self.resource(uri)
+            elif data is None:
+                raise MeshError("a buffer has no data")
             if len(data) < buffer["byteLength"]:
                 raise MeshError(
                     "buffers[{index}] has {n} of {bytelength} bytes; the file is cut short",
@@ -545,15 +536,8 @@ class GltfFile:
             self._buffers[index] = data
         return self._buffers[index]
 
-    def _load(self, uri: str | None) -> bytes:
-        if uri is not None:
-            return self.resource(uri)
-        if self.binary is None:
-            raise MeshError("a buffer has no data")
-        return self.binary
-
     def resource(self, uri: str) -> bytes:
-        """Return what a URI stands for: base64 data, or a file in the document's folder.
+        """Return the bytes of a URI: base64 data, or a file in the document's folder.
 
         Raises
         ------
@@ -579,7 +563,7 @@ class GltfFile:
         return self._view(index, 0, np.dtype("u1"), 1, length).tobytes()
 
 
-def _unpacked(values: AnyArray, accessor: dict[str, Any]) -> AnyArray:
+def _check_unpacked(values: AnyArray, accessor: dict[str, Any]) -> AnyArray:
     width, count = WIDTHS[accessor["type"]], accessor["count"]
     if values.shape != (count, width):
         raise MeshError(
@@ -596,7 +580,7 @@ def _unpacked(values: AnyArray, accessor: dict[str, Any]) -> AnyArray:
 
 
 # ---- Millimetres to the bit ----------------------------------------------------------------------
-# What metres in float32 lose of millimetres in float32: at the most one step of the last place.
+# What metres in float32 lose of millimetres in float32: at the most one unit in the last place.
 #
 # Between 1.953 and 2 times a power of two, metres lie nearly twice as far apart as the millimetres
 # that they stand for, so that half of these would come back as their neighbours. A binary glTF,
@@ -604,7 +588,7 @@ def _unpacked(values: AnyArray, accessor: dict[str, Any]) -> AnyArray:
 
 
 STEPS = "_POSITION_STEPS"
-METRE_MM = 1000.0
+_METRE_MM = 1000.0
 _PLACES = np.array([9, 3, 1])  # of x, y and z in a code: their steps from -1 to 1, in base 3
 _MIDDLE = 13
 
@@ -612,7 +596,7 @@ _MIDDLE = 13
 def find_steps(
     vertices: NDArray[np.float32], metres: NDArray[np.float32]
 ) -> NDArray[np.float32] | None:
-    """Return a code (V,) of the steps from what metres give back to the vertices they stand for.
+    """Return a code (V,) of the rounding steps between vertices and what metres give back.
 
     Parameters
     ----------
@@ -634,16 +618,16 @@ def find_steps(
     return result
 
 
-def take_steps(metres: NDArray[np.float64], codes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return metres (V, 3) that give back, in float32, the mm that `find_steps` was told (V,)."""
+def _take_steps(metres: NDArray[np.float64], codes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return metres (V, 3) that give back, in float32, the mm that `find_steps` encoded (V,)."""
     known = np.clip(np.nan_to_num(codes), -_MIDDLE, _MIDDLE)
     steps = (np.rint(known).astype(np.int32) + _MIDDLE)[:, None] // _PLACES % 3 - 1
     mm = (_in_mm(metres).view(np.int32) + steps.astype(np.int32)).view(np.float32)
-    return np.where(steps == 0, metres, mm.astype(np.float64) / METRE_MM)
+    return np.where(steps == 0, metres, mm.astype(np.float64) / _METRE_MM)
 
 
 def _in_mm(metres: NDArray[np.floating]) -> NDArray[np.float32]:
-    return (metres.astype(np.float64) * METRE_MM).astype(np.float32)
+    return (metres.astype(np.float64) * _METRE_MM).astype(np.float32)
 
 
 # ---- Reading -------------------------------------------------------------------------------------
@@ -689,7 +673,7 @@ class GltfPaint:
         self._file = file
         asset = file.document.get("asset")
         generator = str(asset.get("generator")) if isinstance(asset, dict) else ""
-        self._is_own = generator == GENERATOR
+        self._is_own = generator == _GENERATOR
         self._srgb_writer = next((name for name in SRGB_WRITERS if name in generator), None)
         self._pictures: dict[int, NDArray[np.uint8] | None] = {}
         self._known: dict[int, tuple[int, dict[str, Any]]] = {}
@@ -697,7 +681,7 @@ class GltfPaint:
     def look_of(
         self, primitive: dict[str, Any], n: int, wanted: bool = True
     ) -> tuple[int, NDArray[np.float64] | None]:
-        """Return which look a primitive of n vertices has, and its places (n, 2) on the picture.
+        """Return which look a primitive of n vertices has, and its texture coordinates (n, 2).
 
         -1 where it has none that shows, or none is wanted: what is dropped is noted all the same.
         """
@@ -705,7 +689,7 @@ class GltfPaint:
             return -1, None
         index = primitive["material"]
         if index not in self._known:
-            self._known[index] = self._read(self._file.item("materials", index), wanted)
+            self._known[index] = self._read_material(self._file.item("materials", index), wanted)
         number, texture = self._known[index]
         if number < 0 or self.looks[number].picture is None:
             return number, None
@@ -722,23 +706,23 @@ class GltfPaint:
                 uv=len(uv),
                 name=name,
             )
-        return number, _placed(uv, turned)
+        return number, _transform_uv(uv, turned)
 
     def vertex_colours(self, values: AnyArray) -> NDArray[np.uint8] | None:
         """Return the sRGB codes (V, 3) of COLOR_0: of linear colours, but for some writers'."""
-        shares, notes = colour_shares(values)
+        fractions, notes = colour_fractions(values)
         self.notes += notes
-        if shares is None or self._srgb_writer is None:
-            return None if shares is None else srgb_from_linear(shares)
+        if fractions is None or self._srgb_writer is None:
+            return None if fractions is None else srgb_from_linear(fractions)
         self.notes.append(
             Message(
                 "its vertex colours are taken as sRGB, as {writer} writes them",
                 writer=self._srgb_writer,
             )
         )
-        return np.floor(255.0 * shares + 0.5).astype(np.uint8)
+        return np.floor(255.0 * fractions + 0.5).astype(np.uint8)
 
-    def _read(self, surface: dict[str, Any], wanted: bool) -> tuple[int, dict[str, Any]]:
+    def _read_material(self, surface: dict[str, Any], wanted: bool) -> tuple[int, dict[str, Any]]:
         extensions = surface.get("extensions", {})
         colours = surface.get("pbrMetallicRoughness", {})
         factor, texture = colours.get("baseColorFactor", WHITE), colours.get("baseColorTexture")
@@ -763,22 +747,22 @@ class GltfPaint:
             self.dropped.add(Message("transparency"))
         if extensions.keys() - {TURNED, GLOSSY, UNLIT}:
             self.dropped.add(Message("extensions of its materials"))
-        picture = None if texture is None else self._picture(texture["index"])
-        wrap = REPEAT if picture is None else self._wrap(texture["index"])
+        picture = None if texture is None else self._open_picture(texture["index"])
+        wrap = REPEAT if picture is None else self._find_wrap(texture["index"])
         red, green, blue = factor[:3].tolist()
         self.looks.append(Look((red, green, blue), picture, wrap))
         return len(self.looks) - 1, texture or {}
 
-    def _wrap(self, index: int) -> tuple[str, str]:
+    def _find_wrap(self, index: int) -> tuple[str, str]:
         sampler = self._file.item("textures", index).get("sampler")
-        said = {} if sampler is None else self._file.item("samplers", sampler)
-        u, v = (WRAPPED.get(said.get(key, 0), "repeat") for key in ("wrapS", "wrapT"))
+        sampling = {} if sampler is None else self._file.item("samplers", sampler)
+        u, v = (WRAPPED.get(sampling.get(key, 0), "repeat") for key in ("wrapS", "wrapT"))
         return u, v
 
-    def _picture(self, index: int) -> NDArray[np.uint8] | None:
+    def _open_picture(self, index: int) -> NDArray[np.uint8] | None:
         if index not in self._pictures:
             try:
-                image = self._file.item("images", _source(self._file.item("textures", index)))
+                image = self._file.item("images", _image_index(self._file.item("textures", index)))
                 if "uri" in image:
                     data = self._file.resource(image["uri"])
                 else:
@@ -790,16 +774,16 @@ class GltfPaint:
         return self._pictures[index]
 
 
-def _source(texture: dict[str, Any]) -> object:
-    """Return which image a texture has: its own, or that which an extension names."""
+def _image_index(texture: dict[str, Any]) -> object:
+    """Return the index of a texture's image: its own, or that of an extension."""
     packed = texture.get("extensions", {})
     if "source" not in texture and packed and WEBP not in packed:
         raise MeshError("it is packed by {packed}, which is not read", packed=min(packed))
     return texture.get("source", packed.get(WEBP, {}).get("source"))
 
 
-def _placed(uv: NDArray[np.float64], turned: dict[str, Any]) -> NDArray[np.float64]:
-    """Places after KHR_texture_transform: scaled, turned, moved."""
+def _transform_uv(uv: NDArray[np.float64], turned: dict[str, Any]) -> NDArray[np.float64]:
+    """Texture coordinates after KHR_texture_transform: scaled, turned, moved."""
     angle = float(turned.get("rotation", 0.0))
     c, s = np.cos(angle), np.sin(angle)
     uv = uv * np.array(turned.get("scale", (1.0, 1.0)), np.float64)
@@ -858,9 +842,9 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     parts = []
     for matrix, mesh in _placed_meshes(file):
         for primitive in mesh.get("primitives", []):
-            part = _primitive(file, primitive, paint, texture)
+            part = _read_primitive(file, primitive, paint, texture)
             if part is not None:
-                parts.append(_transformed(part, matrix))
+                parts.append(_transform(part, matrix))
     if not parts:
         raise MeshError("its scene has no triangles; expected a surface")
     for part in parts:  # checked here: in the joined mesh, a wrong index would hit another part
@@ -872,15 +856,15 @@ def read_gltf(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
             )
     return replace(
         join_meshes(parts),
-        unit_mm=METRE_MM,
+        unit_mm=_METRE_MM,
         up="y",
-        notes=(*dict.fromkeys(paint.notes), *left_out(_dropped(file) | paint.dropped)),
+        notes=(*dict.fromkeys(paint.notes), *left_out(_find_dropped(file) | paint.dropped)),
         looks=tuple(paint.looks),
     )
 
 
-def _dropped(file: GltfFile) -> set[Message]:
-    """What a document says besides its meshes and materials."""
+def _find_dropped(file: GltfFile) -> set[Message]:
+    """Names of the document's parts besides meshes and materials, which are left out."""
     things = (Message("animations"), Message("skins"), Message("cameras"))
     dropped = {kind for kind in things if file.document.get(kind)}
     if LIGHTS in file.document.get("extensions", {}):
@@ -925,9 +909,9 @@ def _placed_meshes(file: GltfFile) -> Iterator[tuple[NDArray[np.float64], dict[s
         seen.add(index)
         if _is_hidden(node):
             continue
-        world_from_node = world_from_parent @ _local(node)
+        world_from_node = world_from_parent @ _local_matrix(node)
         if "mesh" in node:
-            mesh, instances = file.item("meshes", node["mesh"]), _instances(file, node)
+            mesh, instances = file.item("meshes", node["mesh"]), _find_instances(file, node)
             yield from ((world_from_node @ node_from_mesh, mesh) for node_from_mesh in instances)
         stack += [(child, world_from_node) for child in reversed(node.get("children", []))]
 
@@ -936,7 +920,7 @@ def _is_hidden(node: dict[str, Any]) -> bool:
     return node.get("extensions", {}).get(HIDDEN, {}).get("visible") is False
 
 
-def _instances(file: GltfFile, node: dict[str, Any]) -> list[NDArray[np.float64]]:
+def _find_instances(file: GltfFile, node: dict[str, Any]) -> list[NDArray[np.float64]]:
     """Return where a node's mesh stands in the node: matrices (4, 4), one unless it is repeated."""
     repeated = node.get("extensions", {}).get(INSTANCES)
     if repeated is None:
@@ -950,10 +934,12 @@ def _instances(file: GltfFile, node: dict[str, Any]) -> list[NDArray[np.float64]
             n=n,
             most=MOST_INSTANCES,
         )
-    return [_local({key.lower(): values[k] for key, values in parts.items()}) for k in range(n)]
+    return [
+        _local_matrix({key.lower(): values[k] for key, values in parts.items()}) for k in range(n)
+    ]
 
 
-def _local(node: dict[str, Any]) -> NDArray[np.float64]:
+def _local_matrix(node: dict[str, Any]) -> NDArray[np.float64]:
     if "matrix" in node:
         return np.array(node["matrix"], np.float64).reshape(4, 4).T
     x, y, z, w = np.array(node.get("rotation", (0.0, 0.0, 0.0, 1.0)), np.float64)
@@ -970,7 +956,7 @@ def _local(node: dict[str, Any]) -> NDArray[np.float64]:
     return matrix
 
 
-def _primitive(
+def _read_primitive(
     file: GltfFile, primitive: dict[str, Any], paint: GltfPaint, texture: bool
 ) -> RawMesh | None:
     """Return one primitive in its own frame, or None for points and lines."""
@@ -1000,11 +986,11 @@ def _primitive(
                     name=name,
                 )  # fmt: skip
     if STEPS in others:
-        vertices = take_steps(vertices, others[STEPS][:, 0])
+        vertices = _take_steps(vertices, others[STEPS][:, 0])
     colours = None
     if "COLOR_0" in others:
         colours = paint.vertex_colours(others["COLOR_0"])
-    faces = _triangles(indices, mode)
+    faces = _index_triangles(indices, mode)
     number, uv = paint.look_of(primitive, len(vertices), texture)
     if uv is not None:
         uv = uv[np.clip(faces, 0, len(vertices) - 1).ravel()]
@@ -1014,7 +1000,7 @@ def _primitive(
     )  # fmt: skip
 
 
-def _triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
+def _index_triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
     if mode == TRIANGLES:
         if len(indices) % 3:
             raise MeshError("a primitive has {n} indices; expected a multiple of 3", n=len(indices))
@@ -1028,7 +1014,7 @@ def _triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:
     return indices[np.stack(columns, axis=1)]
 
 
-def _transformed(part: RawMesh, matrix: NDArray[np.float64]) -> RawMesh:
+def _transform(part: RawMesh, matrix: NDArray[np.float64]) -> RawMesh:
     turn = matrix[:3, :3]
     vertices = part.vertices @ turn.T + matrix[:3, 3]
     faces = part.corners.reshape(-1, 3)
@@ -1082,7 +1068,7 @@ def write_glb(
     srgb : (V, 3) uint8
     finish : Finish
         Of the material; its name is the mesh's too. Where vertices have roughnesses of their own,
-        these are places in a texture that is a scale of roughness: glTF knows none at vertices.
+        these are coordinates in a texture that is a scale of roughness: glTF has none at vertices.
     unlit : bool
         Show the colours without light (KHR_materials_unlit).
     steps : (V,) float32, optional
@@ -1096,40 +1082,40 @@ def write_glb(
     attributes = {"POSITION": 0, "NORMAL": 1, "COLOR_0": 2}
     colours = {"bufferView": 2, "componentType": UNSIGNED_SHORT, "count": len(srgb)}
     accessors = [
-        vertex_accessor(0, vertices, limits=True),
-        vertex_accessor(1, normals),
+        _vertex_accessor(0, vertices, limits=True),
+        _vertex_accessor(1, normals),
         colours | {"type": "VEC4", "normalized": True},
         _index_accessor(faces),
     ]
     blocks: list[tuple[AnyArray | bytes, int | None]]
-    blocks = [(vertices, VERTEX_DATA), (normals, VERTEX_DATA), (_linear(srgb), VERTEX_DATA)]
-    blocks.append((faces.astype("<u4"), INDEX_DATA))
+    blocks = [(vertices, _VERTEX_DATA), (normals, _VERTEX_DATA), (_linear_rgba(srgb), _VERTEX_DATA)]
+    blocks.append((faces.astype("<u4"), _INDEX_DATA))
     _add_steps(steps, attributes, accessors, blocks)
     surface: dict[str, Any] = {"baseColorFactor": PLAIN_WHITE}
     more: dict[str, Any] = {}
     if finish.each is not None and not unlit:
-        more = _roughness_scale(finish.each, attributes, accessors, blocks)
+        more = _add_roughness_scale(finish.each, attributes, accessors, blocks)
         surface["metallicRoughnessTexture"] = {"index": 0}
         finish = finish._replace(roughness=1.0)  # what the texture's is multiplied by
     meshes = [{"name": finish.name, "primitives": [_written_primitive(attributes)]}]
     materials = [material(finish, unlit, **surface)]
     document = {"meshes": meshes, "materials": materials, "accessors": accessors, **more}
-    write_container(path, document, blocks)
+    _write_container(path, document, blocks)
 
 
-def _roughness_scale(
+def _add_roughness_scale(
     roughness: NDArray[np.float32],
     attributes: dict[str, int],
     accessors: list[dict[str, Any]],
     blocks: list[tuple[AnyArray | bytes, int | None]],
 ) -> dict[str, Any]:
-    """Add a texture of all roughnesses from 0 to 1, and each vertex's place in it."""
-    png = _png_of_row(_roughness_codes(np.arange(256.0)[None]))
-    places = np.full((len(roughness), 2), 0.5, "<f4")
-    places[:, 0] = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
+    """Add a texture of all roughnesses from 0 to 1, and each vertex's coordinate in it."""
+    png = _encode_png_row(_roughness_codes(np.arange(256.0)[None]))
+    positions = np.full((len(roughness), 2), 0.5, "<f4")
+    positions[:, 0] = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
     attributes["TEXCOORD_0"] = len(accessors)
-    accessors.append(vertex_accessor(len(blocks), places))
-    blocks += [(places, VERTEX_DATA), (png, None)]
+    accessors.append(_vertex_accessor(len(blocks), positions))
+    blocks += [(positions, _VERTEX_DATA), (png, None)]
     return {
         "textures": [{"sampler": 0, "source": 0}],
         "images": [{"bufferView": len(blocks) - 1, "mimeType": "image/png"}],
@@ -1163,20 +1149,20 @@ def write_textured_glb(
     """
     attributes = {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}
     surface: dict[str, Any] = {"baseColorFactor": PLAIN_WHITE, "baseColorTexture": {"index": 0}}
-    images = [_png(texture.image)]
+    images = [_encode_png(texture.image)]
     if finish.each is not None and not unlit:
-        images.append(_png(_roughness_codes(np.rint(255.0 * finish.each))))
+        images.append(_encode_png(_roughness_codes(np.rint(255.0 * finish.each))))
         surface["metallicRoughnessTexture"] = {"index": 1}
         finish = finish._replace(roughness=1.0)  # what the texture's is multiplied by
     accessors = [
-        vertex_accessor(0, vertices, limits=True),
-        vertex_accessor(1, normals),
-        vertex_accessor(2, texture.uv),
+        _vertex_accessor(0, vertices, limits=True),
+        _vertex_accessor(1, normals),
+        _vertex_accessor(2, texture.uv),
         _index_accessor(faces),
     ]
     blocks: list[tuple[AnyArray | bytes, int | None]]
-    blocks = [(array, VERTEX_DATA) for array in (vertices, normals, texture.uv)]
-    blocks += [(faces.astype("<u4"), INDEX_DATA), *((png, None) for png in images)]
+    blocks = [(array, _VERTEX_DATA) for array in (vertices, normals, texture.uv)]
+    blocks += [(faces.astype("<u4"), _INDEX_DATA), *((png, None) for png in images)]
     _add_steps(steps, attributes, accessors, blocks)
     document = {
         "meshes": [{"name": finish.name, "primitives": [_written_primitive(attributes)]}],
@@ -1186,7 +1172,7 @@ def write_textured_glb(
         "samplers": [{"magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP, "wrapT": CLAMP}],
         "accessors": accessors,
     }
-    write_container(path, document, blocks)
+    _write_container(path, document, blocks)
 
 
 def _roughness_codes(values: AnyArray) -> NDArray[np.uint8]:
@@ -1196,7 +1182,7 @@ def _roughness_codes(values: AnyArray) -> NDArray[np.uint8]:
     return pixels
 
 
-def _png(pixels: NDArray[np.uint8]) -> bytes:
+def _encode_png(pixels: NDArray[np.uint8]) -> bytes:
     from PIL import Image
 
     png = io.BytesIO()
@@ -1204,7 +1190,7 @@ def _png(pixels: NDArray[np.uint8]) -> bytes:
     return png.getvalue()
 
 
-def _png_of_row(pixels: NDArray[np.uint8]) -> bytes:
+def _encode_png_row(pixels: NDArray[np.uint8]) -> bytes:
     """A PNG of pixels (1, W, 3), without Pillow: loading that takes longer than all the rest."""
     header = struct.pack(">IIBBBBB", pixels.shape[1], 1, 8, 2, 0, 0, 0)  # 8 bits, RGB
     parts = [(b"IHDR", header), (b"IDAT", zlib.compress(b"\0" + pixels.tobytes())), (b"IEND", b"")]
@@ -1215,7 +1201,7 @@ def _png_of_row(pixels: NDArray[np.uint8]) -> bytes:
     return b"\x89PNG\r\n\x1a\n" + b"".join(chunks)
 
 
-def _linear(srgb: NDArray[np.uint8]) -> NDArray[np.uint16]:
+def _linear_rgba(srgb: NDArray[np.uint8]) -> NDArray[np.uint16]:
     """Return linear RGBA, (V, 4) normalised uint16, of sRGB codes."""
     curve = decode_srgb(np.arange(256, dtype=np.uint8))
     table = np.floor(65535.0 * curve + 0.5).astype("<u2")
@@ -1241,5 +1227,5 @@ def _add_steps(
     """Add the attribute that leads back to millimetres, if there is any."""
     if steps is not None:
         attributes[STEPS] = len(accessors)
-        accessors.append(vertex_accessor(len(blocks), steps))
-        blocks.append((steps, VERTEX_DATA))
+        accessors.append(_vertex_accessor(len(blocks), steps))
+        blocks.append((steps, _VERTEX_DATA))

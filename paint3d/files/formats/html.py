@@ -86,7 +86,7 @@ def write_html(
         about["paper"] = {"amount": paper, "recipe": RECIPE, "shader": SHADER}
     if edges is None:
         edges = Edges(srgb, np.full((len(srgb), 2), 255, np.uint8))
-    rows = _interleaved(vertices, normals, srgb, edges, low, high)
+    rows = _interleave(vertices, normals, srgb, edges, low, high)
     data = rows.tobytes() + faces.astype("<u4").tobytes()
     parts = {
         "title": html.escape(title),
@@ -105,7 +105,7 @@ def _resource(name: str) -> str:
     return files("paint3d.files").joinpath(RESOURCES, name).read_text(encoding="utf-8")
 
 
-def _interleaved(
+def _interleave(
     vertices: AnyArray,
     normals: AnyArray,
     srgb: AnyArray,
@@ -113,7 +113,7 @@ def _interleaved(
     low: AnyArray,
     high: AnyArray,
 ) -> AnyArray:
-    """Return what the graphics card takes, (V,) of `VERTEX`."""
+    """Return the interleaved vertex buffer, (V,) of `VERTEX`."""
     span = np.where(high > low, high - low, 1.0)
     out = np.zeros(len(vertices), VERTEX)
     out["place"] = np.rint((vertices - low) / span * 65535.0)

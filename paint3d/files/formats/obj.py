@@ -25,7 +25,7 @@ from paint3d.files.contents import path_beside, plain_text, read_beside
 from paint3d.files.formats.text_rows import UNIT_NAMES, text_rows
 from paint3d.files.raw_mesh import RawMesh, index_array, left_out, parse_numbers
 
-__all__ = ["ObjLooks", "obj_looks", "read_obj", "write_obj"]
+__all__ = ["ObjLooks", "read_obj", "write_obj"]
 
 # ---- Materials -----------------------------------------------------------------------------------
 # Diffuse colours and pictures of OBJ materials (.mtl), face by face.
@@ -60,7 +60,7 @@ class Material:
     offset: tuple[float, float] = (0.0, 0.0)
 
     def look(self) -> Look:
-        """What is seen of it."""
+        """Look of the material, for `RawMesh`."""
         if self.picture is not None:
             return Look(picture=self.picture, wrap=("clamp", "clamp") if self.clamped else REPEAT)
         codes = np.floor(255.0 * np.clip(self.diffuse, 0.0, 1.0) + 0.5).astype(np.uint8)
@@ -70,7 +70,7 @@ class Material:
 
 @dataclass(frozen=True)
 class ObjLooks:
-    """What an OBJ file says of its colours; see `RawMesh` for looks, look_of, uv and notes.
+    """Colours of an OBJ file; see `RawMesh` for looks, look_of, uv and notes.
 
     Attributes
     ----------
@@ -85,8 +85,8 @@ class ObjLooks:
     dropped: frozenset[Message]
 
 
-def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) -> ObjLooks:
-    """Return the looks of an OBJ's faces; none where it names no material that could be read.
+def _obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) -> ObjLooks:
+    """Return the looks of an OBJ's faces; none where it names no readable material.
 
     A texture replaces the diffuse colour.
 
@@ -104,30 +104,30 @@ def obj_looks(lines: Sequence[bytes], sizes: NDArray[np.int64], folder: Path) ->
     materials: dict[bytes, Material] = {}
     for line in lines:
         if line.startswith(b"mtllib "):
-            for name in _libraries(line[7:], folder):
+            for name in _library_names(line[7:], folder):
                 _read_library(name, folder, materials, notes, dropped)
     names = {name: k for k, name in enumerate(materials)}
-    look_of, places = _by_face(lines, names, int(sizes.sum()))
-    told = tuple(dict.fromkeys(notes)), frozenset(dropped)
+    look_of, texture_ids = _read_face_looks(lines, names, int(sizes.sum()))
+    noted = tuple(dict.fromkeys(notes)), frozenset(dropped)
     if not (look_of >= 0).any():
-        return ObjLooks((), look_of, np.empty((0, 2)), *told)
+        return ObjLooks((), look_of, np.empty((0, 2)), *noted)
     written = [line[3:].split()[:2] for line in lines if line[:3] == b"vt "]
     table = [[*map(float, words), 0.0, 0.0][:2] for words in written]
     known = np.array([*table, [np.nan, np.nan]], np.float64)
-    uv = known[np.where(places < len(table), places, -1)]
+    uv = known[np.where(texture_ids < len(table), texture_ids, -1)]
     of_corner = np.repeat(look_of, sizes)
     for k, material in enumerate(materials.values()):
         uv[of_corner == k] = uv[of_corner == k] * material.scale + material.offset
     uv = uv * (1.0, -1.0) + (0.0, 1.0)  # OBJ counts from the lower left
     looks = tuple(material.look() for material in materials.values())
-    return ObjLooks(looks, look_of, uv, *told)
+    return ObjLooks(looks, look_of, uv, *noted)
 
 
 def _name(words: bytes) -> str:
     return words.strip().strip(b'"').decode("utf-8", "surrogateescape")
 
 
-def _libraries(words: bytes, folder: Path) -> list[str]:
+def _library_names(words: bytes, folder: Path) -> list[str]:
     """Return the names in a line: one that may hold spaces, or, where it is not there, several."""
     whole, names = _name(words), [_name(word) for word in words.split()]
     if b"\0" in words or not all(name.lower().endswith(".mtl") for name in names):
@@ -136,12 +136,12 @@ def _libraries(words: bytes, folder: Path) -> list[str]:
     return [whole] if is_there else names
 
 
-def _by_face(
+def _read_face_looks(
     lines: Sequence[bytes], names: dict[bytes, int], n_corners: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return each face's material (-1: none) and each corner's texture place (-1: none)."""
+    """Return each face's material (-1: none) and each corner's texture coordinate (-1: none)."""
     look, looks = -1, []
-    places = np.full(n_corners, -1, np.int64)
+    texture_ids = np.full(n_corners, -1, np.int64)
     so_far = at = 0
     for line in lines:
         if line[:3] == b"vt ":
@@ -153,12 +153,12 @@ def _by_face(
             for corner in line[2:].split():
                 rest = corner.partition(b"/")[2]
                 if rest and look >= 0:
-                    places[at] = _index(rest.partition(b"/")[0], so_far)
+                    texture_ids[at] = _texture_index(rest.partition(b"/")[0], so_far)
                 at += 1
-    return np.array(looks, np.int64), places
+    return np.array(looks, np.int64), texture_ids
 
 
-def _index(word: bytes, so_far: int) -> int:
+def _texture_index(word: bytes, so_far: int) -> int:
     try:
         index = int(word)
     except ValueError:
@@ -186,10 +186,10 @@ def _read_library(
         if kind == b"newmtl":
             material = materials.setdefault(line.strip()[6:].strip(), Material())
         elif kind == b"kd" and len(words) >= 4:
-            material.diffuse = _diffuse(words[1:4], material.diffuse)
+            material.diffuse = _read_diffuse(words[1:4], material.diffuse)
         elif kind == b"map_kd":
             try:
-                name, options = _picture_name(words[1:], line)
+                name, options = _read_picture_name(words[1:], line)
                 material.picture = open_picture(read_beside(folder, name))
             except MeshError as cause:
                 notes.append(Message("a texture is left out: {cause}", cause=cause))
@@ -201,20 +201,20 @@ def _read_library(
                 dropped.add(Message("brightness and contrast of a picture (-mm)"))
         elif kind in LEFT_OUT:
             dropped.add(LEFT_OUT[kind])
-        elif kind == b"d" and _part(words[1:2]) < 1.0:
+        elif kind == b"d" and _opacity(words[1:2]) < 1.0:
             dropped.add(Message("transparency"))
     if b"map_ka" in kinds and b"map_kd" not in kinds:  # else it is mostly the same picture
         dropped.add(Message("pictures of ambient light"))
 
 
-def _part(words: list[bytes]) -> float:
+def _opacity(words: list[bytes]) -> float:
     try:
         return float(words[0])
     except (ValueError, IndexError):
         return 1.0
 
 
-def _diffuse(
+def _read_diffuse(
     words: list[bytes], otherwise: tuple[float, float, float]
 ) -> tuple[float, float, float]:
     try:
@@ -224,7 +224,7 @@ def _diffuse(
     return (red, green, blue) if np.isfinite((red, green, blue)).all() else otherwise
 
 
-def _picture_name(words: list[bytes], line: bytes) -> tuple[str, dict[str, list[bytes]]]:
+def _read_picture_name(words: list[bytes], line: bytes) -> tuple[str, dict[str, list[bytes]]]:
     """Return the file name after a map's options, which may hold spaces, and the options."""
     at, options = 0, dict[str, list[bytes]]()
     while at < len(words) and (option := words[at].decode("ascii", "replace").lower()) in OPTIONS:
@@ -250,9 +250,9 @@ def _is_number(word: bytes) -> bool:
 
 
 def _pair(words: list[bytes], default: float) -> tuple[float, float]:
-    """Return the numbers along width and height; `default` where they are not said."""
-    found = [float(word) for word in words[:2]]
-    u, v = [x if np.isfinite(x) else default for x in [*found, default, default][:2]]
+    """Return the numbers along width and height; `default` for missing ones."""
+    numbers = [float(word) for word in words[:2]]
+    u, v = [x if np.isfinite(x) else default for x in [*numbers, default, default][:2]]
     return u, v
 
 
@@ -297,13 +297,14 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     MeshError
         If a vertex or face line holds something else than numbers, or an index is 0.
     """
-    lines = _lines(data)
+    text = plain_text(data).replace(b"\t", b" ").replace(b"\\\n", b" ")  # lines that go on are one
+    lines = [line.partition(b"#")[0].strip() for line in text.split(b"\n")]
     vertex_lines = [line[2:] for line in lines if line[:2] == b"v "]
     face_lines = [line[2:] for line in lines if line[:2] == b"f "]
-    vertices, colours, notes = _vertices(vertex_lines)
+    vertices, colours, notes = _read_vertices(vertex_lines)
     if colours is None:
-        colours, told = _polypaint(data, len(vertices))
-        notes += told
+        colours, more_notes = _read_polypaint(data, len(vertices))
+        notes += more_notes
     sizes = np.array([len(line.split()) for line in face_lines], np.int64)
     corners = index_array(
         parse_numbers(ATTRIBUTES.sub(b"", b"\n".join(face_lines)), Message("a face")), "a face"
@@ -327,29 +328,24 @@ def read_obj(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         )
         notes += left_out(dropped)
         return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes)
-    found = obj_looks(lines, sizes, folder)
-    told = found.notes + left_out(dropped | found.dropped)
+    looks = _obj_looks(lines, sizes, folder)
+    more_notes = looks.notes + left_out(dropped | looks.dropped)
     if is_coloured(colours):  # a material that says nothing stands beside them in many files
-        if any(look.picture is not None or min(look.factor) < 1.0 for look in found.looks):
-            told = found.notes + left_out(dropped | found.dropped | {VERTEX_COLOURS})
+        if any(look.picture is not None or min(look.factor) < 1.0 for look in looks.looks):
+            more_notes = looks.notes + left_out(dropped | looks.dropped | {VERTEX_COLOURS})
         else:
-            found = replace(found, looks=())
-    if not found.looks:
-        return RawMesh(vertices, corners, sizes, colours, announces=announced, notes=notes + told)
+            looks = replace(looks, looks=())
+    if not looks.looks:
+        return RawMesh(
+            vertices, corners, sizes, colours, announces=announced, notes=notes + more_notes
+        )
     return RawMesh(
-        vertices, corners, sizes, notes=told,
-        looks=found.looks, look_of=found.look_of, uv=found.uv,
+        vertices, corners, sizes, notes=more_notes,
+        looks=looks.looks, look_of=looks.look_of, uv=looks.uv,
     )  # fmt: skip
 
 
-def _lines(data: bytes) -> list[bytes]:
-    """Return the lines without indentation, comments and continuations."""
-    data = plain_text(data).replace(b"\t", b" ")
-    data = data.replace(b"\\\n", b" ")
-    return [line.partition(b"#")[0].strip() for line in data.split(b"\n")]
-
-
-def _vertices(
+def _read_vertices(
     lines: Sequence[bytes],
 ) -> tuple[NDArray[np.float64], NDArray[np.uint8] | None, tuple[Message, ...]]:
     widths = np.array([len(line.split()) for line in lines], np.int64)
@@ -358,16 +354,16 @@ def _vertices(
     if widths.min() < 3:
         line = lines[int(widths.argmin())].decode("ascii", "replace")
         raise MeshError("a vertex line holds {line!r}; expected three numbers", line=line[:40])
-    numbers = _numbers(b"\n".join(lines))
+    numbers = _parse_vertex_numbers(b"\n".join(lines))
     first = np.cumsum(widths) - widths
     vertices = numbers[first[:, None] + np.arange(3)]
     rgba = np.zeros((len(lines), 4))
     for width in COLOURED:
         rows = np.flatnonzero(widths == width)
         table = numbers[first[rows, None] + np.arange(width)]
-        column = _colour_column(table)
-        found = table[:, column : column + 4]
-        rgba[rows, : found.shape[1]] = found
+        column = _find_colour_column(table)
+        rgba_columns = table[:, column : column + 4]
+        rgba[rows, : rgba_columns.shape[1]] = rgba_columns
     coloured = np.isin(widths, COLOURED)
     if not coloured.any():
         return vertices, None, ()
@@ -379,8 +375,8 @@ def _vertices(
     return vertices, colours, notes
 
 
-def _colour_column(table: NDArray[np.float64]) -> int:
-    """Return where red stands in vertex lines of 6, 7 or 8 numbers.
+def _find_colour_column(table: NDArray[np.float64]) -> int:
+    """Return the index of red in vertex lines of 6, 7 or 8 numbers.
 
     Eight are a weight, a colour and its opacity after the position. Seven may be a colour with an
     opacity, which is then the same everywhere, or a colour after a weight of 1.
@@ -393,7 +389,7 @@ def _colour_column(table: NDArray[np.float64]) -> int:
     return 4 if is_weighted and not is_opaque else 3
 
 
-def _polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
+def _read_polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     """Return the colours (n, 3) that ZBrush writes as comments: MMRRGGBB for each vertex."""
     digits = b"".join(POLYPAINT.findall(plain_text(data))) if b"#MRGB" in data else b""
     if not digits:
@@ -412,7 +408,7 @@ def _polypaint(data: bytes, n: int) -> tuple[NDArray[np.uint8] | None, tuple[Mes
     return codes[:, 1:].copy(), ()
 
 
-def _numbers(text: bytes) -> NDArray[np.float64]:
+def _parse_vertex_numbers(text: bytes) -> NDArray[np.float64]:
     """Parse numbers; where that fails, read exponents like 3.1+e2, which some programs write."""
     try:
         return parse_numbers(text, Message("a vertex"))
@@ -454,14 +450,10 @@ def write_obj(
     """
     points = np.concatenate([vertices, np.divide(srgb, 255, dtype=np.float32)], axis=1)
     with open(path, "wb") as file:
-        head = f"# paint3d: {UNIT_NAMES[unit]}, vertex colours sRGB 0 to 1\no {_word(name)}\n"
+        word = "".join(c if c.isascii() and c.isalnum() else "_" for c in name) or "painting"
+        head = f"# paint3d: {UNIT_NAMES[unit]}, vertex colours sRGB 0 to 1\no {word}\n"
         file.write(head.encode("ascii"))
         file.writelines(text_rows("v {f0} {f1} {f2} {f3} {f4} {f5}\n", points))
         file.writelines(text_rows("vn {f0} {f1} {f2}\n", normals))
         corners = "f {i0}//{i0} {i1}//{i1} {i2}//{i2}\n"
         file.writelines(text_rows(corners, integers=faces + np.int32(1)))
-
-
-def _word(name: str) -> str:
-    """Return a name as one printable ASCII word."""
-    return "".join(c if c.isascii() and c.isalnum() else "_" for c in name) or "painting"

@@ -49,39 +49,39 @@ def read_off(data: bytes, texture: bool = False) -> RawMesh:
     """
     lines = [line.partition(b"#")[0] for line in plain_text(data).split(b"\n")]
     lines = [line for line in lines if line.strip()]
-    kind, lines = _kind(lines)
+    kind, lines = _read_kind(lines)
     rows = [line.split() for line in lines]
-    n_vertices, n_faces = _counts(rows, len(data))
+    n_vertices, n_faces = _read_counts(rows, len(data))
     table, rest = rows[1 : 1 + n_vertices], rows[1 + n_vertices : 1 + n_vertices + n_faces]
     whole = all(row[0].isdigit() and len(row) > int(row[0]) for row in rest)
     if len(rest) < n_faces or not whole:
-        table, rest = _over_lines(rows, kind, n_vertices, n_faces)
-    corners, sizes = _faces(rest)
-    normals, colours, notes = _attributes(table, kind)
+        table, rest = _read_over_lines(rows, kind, n_vertices, n_faces)
+    corners, sizes = _read_faces(rest)
+    normals, colours, notes = _read_attributes(table, kind)
     raw = RawMesh(_columns(table, slice(0, 3)), corners, sizes, colours, normals, notes=notes)
-    codes, told = _face_colours(rest)
-    raw = replace(raw, notes=raw.notes + told)
+    codes, more_notes = _read_face_colours(rest)
+    raw = replace(raw, notes=raw.notes + more_notes)
     return raw if codes is None else with_face_colours(raw, codes, texture)
 
 
-def _kind(lines: list[bytes]) -> tuple[bytes, list[bytes]]:
+def _read_kind(lines: list[bytes]) -> tuple[bytes, list[bytes]]:
     """Return the word that begins an OFF file, in capitals, and what follows."""
     first = lines[0].strip() if lines else b""
-    found = KIND.match(first)
-    if found is None:
+    match = KIND.match(first)
+    if match is None:
         if WITH_DIMENSION.match(first):
             raise MeshError("it has vertices of other than three dimensions; expected three")
         words = first.split()
         if len(words) != 3 or not all(word.isdigit() for word in words):
             raise MeshError("it does not start with 'OFF'; expected an OFF file")
         return b"OFF", lines
-    rest = first[found.end() :].strip()
+    rest = first[match.end() :].strip()
     if rest.upper().startswith(b"BINARY"):
         raise MeshError("it is a binary OFF file; expected OFF in text form")
-    return found["kind"].upper(), [rest, *lines[1:]] if rest else lines[1:]
+    return match["kind"].upper(), [rest, *lines[1:]] if rest else lines[1:]
 
 
-def _over_lines(
+def _read_over_lines(
     rows: list[list[bytes]], kind: bytes, n_vertices: int, n_faces: int
 ) -> tuple[list[list[bytes]], list[list[bytes]]]:
     """Return the rows of vertices and faces of a file whose lines end anywhere.
@@ -117,7 +117,7 @@ def _over_lines(
     raise MeshError("a face line does not start with its number of corners")
 
 
-def _counts(lines: list[list[bytes]], n_bytes: int) -> tuple[int, int]:
+def _read_counts(lines: list[list[bytes]], n_bytes: int) -> tuple[int, int]:
     words = lines[0] if lines else []
     if len(words) < 2 or not all(word.isdigit() for word in words[:2]):
         raise MeshError("the line after 'OFF' is not a count of vertices, faces and edges")
@@ -141,10 +141,10 @@ def _columns(table: list[list[bytes]], columns: slice) -> NDArray[np.float64]:
     return parse_numbers(b" ".join(words), Message("a vertex")).reshape(-1, width)
 
 
-def _attributes(
+def _read_attributes(
     table: list[list[bytes]], kind: bytes
 ) -> tuple[NDArray[np.float64] | None, NDArray[np.uint8] | None, tuple[Message, ...]]:
-    """Return normals (V, 3), colours (V, 3), and what is told of them.
+    """Return normals (V, 3), colours (V, 3), and notes on them.
 
     Geomview has normals before colours, MeshLab after them: those of length 1 are normals. Where
     the file's first word says neither, whole numbers to 255 are colours.
@@ -152,25 +152,25 @@ def _attributes(
     width = min(map(len, table), default=3) - 2 * (b"ST" in kind)
     is_normal, is_colour = b"N" in kind and width >= 6, b"C" in kind and width >= 6
     if not is_normal and not is_colour:
-        return None, *_unannounced(table, width)
+        return None, *_read_unannounced(table, width)
     if not is_colour:
         return _columns(table, slice(3, 6)), None, ()
     first, last = slice(3, 6), slice(width - 3, width)
     if not is_normal or width < 9:
-        return None, *_colours(table, slice(3, min(width, 7)))
+        return None, *_read_colours(table, slice(3, min(width, 7)))
     after = _are_unit(_columns(table, last)) and not _are_unit(_columns(table, first))
     normals, start = (last, 3) if after else (first, 6)
-    return _columns(table, normals), *_colours(table, slice(start, start + min(width - 6, 4)))
+    return _columns(table, normals), *_read_colours(table, slice(start, start + min(width - 6, 4)))
 
 
-def _unannounced(
+def _read_unannounced(
     table: list[list[bytes]], width: int
 ) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     if width not in (6, 7) or any(len(row) != width for row in table):
         return None, ()
     words = [word for row in table for word in row[3:6]]
     if all(word.isdigit() for word in words) and max(map(int, words)) <= 255:
-        return _colours(table, slice(3, width))
+        return _read_colours(table, slice(3, width))
     return None, left_out([Message("numbers after the places of vertices")])
 
 
@@ -179,20 +179,20 @@ def _are_unit(rows: NDArray[np.float64]) -> bool:
     return bool(np.mean(np.abs(length - 1.0) < UNIT) > 0.5)
 
 
-def _colours(
+def _read_colours(
     table: list[list[bytes]], columns: slice
 ) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     whole = all(word.isdigit() for words in table for word in words[columns])
     return colour_codes(_columns(table, columns), 255 if whole else 1)
 
 
-def _face_colours(
+def _read_face_colours(
     table: list[list[bytes]],
 ) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     """Return colours (P, 3) after the corners of faces: whole numbers to 255, or fractions to 1.
 
     Faces without one are grey, as the format says, where others have some. A single number is a
-    place in a table that the viewer has; it is left out.
+    index into a table that the viewer has; it is left out.
     """
     after = [row[1 + int(row[0]) :] for row in table]
     coloured = np.array([len(words) >= 3 for words in after], np.bool_)
@@ -207,8 +207,8 @@ def _face_colours(
     except MeshError:  # words of no colour, after faces of somebody's dialect
         return None, left_out([FACE_COLOURS])
     whole = all(word.isdigit() for word in words)
-    codes, told = colour_codes(rgba, 255 if whole else 1, FACE_COLOURS)
-    notes += told
+    codes, more_notes = colour_codes(rgba, 255 if whole else 1, FACE_COLOURS)
+    notes += more_notes
     if codes is None:
         return None, notes
     every = np.full((len(table), 3), GREY, np.uint8)
@@ -216,7 +216,7 @@ def _face_colours(
     return every, notes
 
 
-def _faces(table: list[list[bytes]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _read_faces(table: list[list[bytes]]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     sizes = np.array([int(words[0]) for words in table], np.int64)
     words = [word for row, n in zip(table, sizes, strict=True) for word in row[1 : 1 + n]]
     return index_array(parse_numbers(b" ".join(words), Message("a face")), Message("a face")), sizes

@@ -37,11 +37,7 @@ __all__ = [
     "PlyLooks",
     "Property",
     "Tables",
-    "has_face_colours",
-    "picture_names",
-    "ply_looks",
     "read_ply",
-    "read_tables",
     "write_ply",
 ]
 
@@ -56,7 +52,7 @@ MAX_PICTURES = 1000
 
 @dataclass(frozen=True)
 class PlyLooks:
-    """What the faces look like; see `RawMesh`. No looks: nothing is said of them."""
+    """Looks of the faces; see `RawMesh`."""
 
     looks: tuple[Look, ...] = ()
     look_of: NDArray[np.int64] | None = None
@@ -65,21 +61,16 @@ class PlyLooks:
     notes: tuple[Message, ...] = ()
 
 
-def picture_names(tables: Tables) -> list[str]:
-    """Names of the pictures that the header speaks of."""
-    found = (comment.partition(" ") for comment in tables.comments)
-    return [name.strip() for word, _, name in found if word == KEYWORD]
+def _picture_names(tables: Tables) -> list[str]:
+    """Names of the pictures in the header's comments."""
+    words = (comment.partition(" ") for comment in tables.comments)
+    return [name.strip() for word, _, name in words if word == KEYWORD]
 
 
-def has_face_colours(tables: Tables) -> bool:
-    """Whether the faces have colours of their own."""
-    return any(_colour_names(e) for e in tables.elements if e.name == "face")
-
-
-def ply_looks(
+def _ply_looks(
     tables: Tables, corners: NDArray[np.int64], sizes: NDArray[np.int64], folder: Path
 ) -> PlyLooks:
-    """Return what the faces look like: their pictures, else their own colours.
+    """Return the looks of the faces: their pictures, else their own colours.
 
     Places on the pictures are those of the faces' corners (texcoord), else of the vertices (s, t);
     they count from the lower left in the file.
@@ -95,47 +86,45 @@ def ply_looks(
         Of the file; pictures elsewhere are not followed.
     """
     faces = [e for e in tables.elements if e.name == "face" and e.list_sizes]
-    names = picture_names(tables)
+    names = _picture_names(tables)
     if not names or len(faces) > 1:
-        return _face_colours(faces, sizes)
-    uv = _places(tables, faces, corners, sizes)
+        return _read_face_colours(faces, sizes)
+    uv = _read_uv(tables, faces, corners, sizes)
     if uv is None:
         return PlyLooks(notes=(Message("a texture is left out: the mesh has no places on it"),))
     looks, number, notes = [], [], []
     for name in names[:MAX_PICTURES]:
         number.append(-1)
         try:
-            looks.append(Look(picture=open_picture(read_beside(folder, _as_file(name)))))
+            # the header was read byte by byte; a name is UTF-8, or what it is
+            file = name.encode("latin-1").decode("utf-8", "surrogateescape")
+            looks.append(Look(picture=open_picture(read_beside(folder, file))))
             number[-1] = len(looks) - 1
         except MeshError as cause:
             notes.append(Message("a texture is left out: {cause}", cause=cause))
     if not looks:
         return PlyLooks(notes=tuple(dict.fromkeys(notes)))
-    which = _numbers(faces, len(sizes))
+    which = _picture_indices(faces, len(sizes))
     inside = (which >= 0) & (which < len(number))
     look_of = np.where(inside, np.array(number)[np.where(inside, which, 0)], -1)
     return PlyLooks(tuple(looks), look_of, uv, notes=tuple(dict.fromkeys(notes)))
 
 
-def _as_file(name: str) -> str:
-    """The header was read byte by byte; a name is UTF-8, or what it is."""
-    return name.encode("latin-1").decode("utf-8", "surrogateescape")
-
-
-def _places(
+def _read_uv(
     tables: Tables, faces: Sequence[Element], corners: NDArray[np.int64], sizes: NDArray[np.int64]
 ) -> NDArray[np.float64] | None:
-    """Places (N, 2) of the corners from the upper left, nan where unknown; None: there are none."""
+    """Texture coordinates (N, 2) of the corners from the upper left, nan where unknown, or None."""
     uv = np.full((len(corners), 2), np.nan)
     vertex = next(e for e in tables.elements if e.name == "vertex")
     pair = next((p for p in PLACE_NAMES if set(p) <= set(vertex.values)), None)
     listed = faces[0].list_sizes.get("texcoord") if faces else None
     if listed is not None:
         own = np.repeat(sizes[: len(listed)], sizes[: len(listed)])
-        told = np.repeat(listed, sizes[: len(listed)]) == 2 * own  # others have none, or too few
+        # others have none, or too few
+        has_uv = np.repeat(listed, sizes[: len(listed)]) == 2 * own
         values = faces[0].values["texcoord"].astype(np.float64)
         whole = np.repeat(listed == 2 * sizes[: len(listed)], listed)
-        uv[: len(told)][told] = values[whole].reshape(-1, 2)
+        uv[: len(has_uv)][has_uv] = values[whole].reshape(-1, 2)
     elif pair is not None:
         table = np.stack([vertex.values[name] for name in pair], axis=1).astype(np.float64)
         uv = table[np.clip(corners, 0, len(table) - 1)]
@@ -144,18 +133,18 @@ def _places(
     return uv * (1.0, -1.0) + (0.0, 1.0)
 
 
-def _numbers(faces: Sequence[Element], n: int) -> NDArray[np.int64]:
-    """Which picture each of n polygons has; the first where nothing is said."""
+def _picture_indices(faces: Sequence[Element], n: int) -> NDArray[np.int64]:
+    """Index of each polygon's picture; the first by default."""
     which = np.zeros(n, np.int64)
     if faces and "texnumber" in faces[0].values and "texnumber" not in faces[0].list_sizes:
-        told = index_array(
+        numbers = index_array(
             faces[0].values["texnumber"].astype(np.float64), Message("a face's texnumber")
         )
-        which[: len(told)] = told
+        which[: len(numbers)] = numbers
     return which
 
 
-def _face_colours(faces: Sequence[Element], sizes: NDArray[np.int64]) -> PlyLooks:
+def _read_face_colours(faces: Sequence[Element], sizes: NDArray[np.int64]) -> PlyLooks:
     names = _colour_names(faces[0]) if len(faces) == 1 else ()
     if not names:
         return PlyLooks()
@@ -213,7 +202,7 @@ class Element:
 
 
 class Tables(NamedTuple):
-    """What a PLY file holds.
+    """Contents of a PLY file.
 
     Attributes
     ----------
@@ -230,7 +219,7 @@ class Tables(NamedTuple):
     unknown: tuple[str, ...]
 
 
-def read_tables(data: bytes, wanted: Collection[str]) -> Tables:
+def _read_tables(data: bytes, wanted: Collection[str]) -> Tables:
     """Read the elements of a PLY file as far as the last one whose name is wanted.
 
     Raises
@@ -287,7 +276,7 @@ def _parse_header(lines: list[str]) -> tuple[str, Tables]:
         elif words[0] == "element":
             elements.append(Element(words[1], int(words[2])))
         elif words[0] == "property" and elements:
-            elements[-1].properties.append(_property(words, order or "<"))
+            elements[-1].properties.append(_parse_property(words, order or "<"))
         elif elements or difflib.get_close_matches(words[0].lower(), KEYWORDS, 1, 0.7):
             raise MeshError("the header has an unknown line {words!r}", words=" ".join(words)[:40])
         else:
@@ -297,7 +286,7 @@ def _parse_header(lines: list[str]) -> tuple[str, Tables]:
     return order, Tables(tuple(elements), tuple(comments), tuple(unknown))
 
 
-def _property(words: list[str], order: str) -> Property:
+def _parse_property(words: list[str], order: str) -> Property:
     if words[1] == "list":
         count, item = (np.dtype(TYPES[w]).newbyteorder(cast("Order", order)) for w in words[2:4])
         return Property(words[4], item, count)
@@ -314,10 +303,10 @@ def _read_binary(elements: Sequence[Element], data: bytes, at: int) -> None:
             len(data) - at,
             Message("rows of {name}", name=element.name),
         )
-        at = _binary_rows(element, data, at)
+        at = _read_binary_rows(element, data, at)
 
 
-def _binary_rows(element: Element, data: bytes, at: int) -> int:
+def _read_binary_rows(element: Element, data: bytes, at: int) -> int:
     """Read one element's rows from `at`; return where they end."""
     lists = [p for p in element.properties if p.count_dtype is not None]
     if element.count == 0:
@@ -340,7 +329,7 @@ def _binary_rows(element: Element, data: bytes, at: int) -> int:
             values = {p.name: rows[f"item {k}"] for k, p in enumerate(element.properties)}
             _store(element, values, {n: np.full(element.count, s) for n, s in sizes.items()})
             return at + row.itemsize * element.count
-    return _uneven_rows(element, data, at)
+    return _read_uneven_rows(element, data, at)
 
 
 def _first_row_sizes(element: Element, data: bytes, at: int) -> dict[str, int]:
@@ -372,7 +361,7 @@ def _list_size(element: Element, p: Property, data: bytes, at: int) -> int:
     return n
 
 
-def _uneven_rows(element: Element, data: bytes, at: int) -> int:
+def _read_uneven_rows(element: Element, data: bytes, at: int) -> int:
     """Read rows whose lists differ in length, one by one."""
     parts: dict[str, list[AnyArray]] = {p.name: [] for p in element.properties}
     sizes: dict[str, list[int]] = {
@@ -415,10 +404,10 @@ def _read_ascii(elements: Sequence[Element], text: bytes) -> None:
         )
     numbers, at = parse_numbers(text, Message("the body")), 0
     for element in elements:
-        at = _ascii_rows(element, numbers, at)
+        at = _read_ascii_rows(element, numbers, at)
 
 
-def _ascii_rows(element: Element, numbers: AnyArray, at: int) -> int:
+def _read_ascii_rows(element: Element, numbers: AnyArray, at: int) -> int:
     """Take one element's rows from the body's numbers; return where they end."""
     cut_short = MeshError(
         "it ends within the {element} rows; the file is cut short",
@@ -491,13 +480,13 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
     MeshError
         If the header is not PLY's, or the body does not hold what the header promises.
     """
-    tables = read_tables(data, WANTED)
+    tables = _read_tables(data, WANTED)
     vertex = next((e for e in tables.elements if e.name == "vertex"), None)
     if vertex is None or not {"x", "y", "z"} <= set(vertex.values):
         raise MeshError("no vertex positions; expected an element vertex with x, y and z")
     vertices = np.stack([vertex.values[k].astype(np.float64) for k in "xyz"], axis=1)
-    corners, sizes = _polygons(tables)
-    colours, notes = _colours(vertex)
+    corners, sizes = _read_polygons(tables)
+    colours, notes = _read_colours(vertex)
     notes += tuple(
         Message("its header's line {line!r} is passed over", line=line[:60])
         for line in tables.unknown
@@ -506,13 +495,14 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         [Message("lines")] if any(e.name == "edge" and e.count for e in tables.elements) else []
     )
     if texture and len(sizes):
-        found = ply_looks(tables, corners, sizes, folder)
-        notes += found.notes
+        looks = _ply_looks(tables, corners, sizes, folder)
+        notes += looks.notes
     else:
-        found = PlyLooks()
-        dropped += [Message("its pictures")] if picture_names(tables) else []
-        dropped += [FACE_COLOURS] if has_face_colours(tables) else []
-    dropped += [VERTEX_COLOURS] if found.looks and is_coloured(colours) else []
+        looks = PlyLooks()
+        dropped += [Message("its pictures")] if _picture_names(tables) else []
+        of_faces = any(_colour_names(e) for e in tables.elements if e.name == "face")
+        dropped += [FACE_COLOURS] if of_faces else []
+    dropped += [VERTEX_COLOURS] if looks.looks and is_coloured(colours) else []
     dropped += [
         Message("what it calls {names}", names=", ".join(names)[:60])
         for names in map(_unread_colours, tables.elements)
@@ -523,26 +513,26 @@ def read_ply(data: bytes, folder: Path, texture: bool = False) -> RawMesh:
         vertices,
         corners,
         sizes,
-        None if found.looks else colours,
-        _normals(vertex),
-        announces=_announced(tables),
+        None if looks.looks else colours,
+        _read_normals(vertex),
+        announces=_announce(tables),
         notes=notes,
-        looks=found.looks,
-        look_of=found.look_of,
-        uv=found.uv,
-        corner_colours=found.corner_colours,
+        looks=looks.looks,
+        look_of=looks.look_of,
+        uv=looks.uv,
+        corner_colours=looks.corner_colours,
     )
 
 
-def _announced(tables: Tables) -> str:
-    """What it speaks of besides points."""
+def _announce(tables: Tables) -> str:
+    """Name the file's elements besides points; empty where there are none."""
     others = [e for e in tables.elements if e.name != "vertex" and (e.count or e.name in WANTED)]
     if any(element.name in WANTED for element in others):
         return Message("faces")
     return Message("{name!r}, which is not read", name=others[0].name[:40]) if others else ""
 
 
-def _polygons(tables: Tables) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _read_polygons(tables: Tables) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the corners of all polygons, then of the triangles of all strips, and their sizes."""
     corners, sizes = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
     for kind, what in (("face", Message("a face")), ("tristrips", Message("a strip"))):
@@ -553,14 +543,14 @@ def _polygons(tables: Tables) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
             ids = index_array(element.values[name], what)
             each = element.list_sizes[name].astype(np.int64)
             if kind == "tristrips":
-                ids = _strips(ids, each)
+                ids = _triangulate_strips(ids, each)
                 each = np.full(len(ids) // 3, 3)
             corners.append(ids)
             sizes.append(each)
     return np.concatenate(corners), np.concatenate(sizes)
 
 
-def _strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
+def _triangulate_strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the corners of the triangles of strips (lists of these sizes; -1 begins another).
 
     Every second triangle of a strip is turned round; those that name a vertex twice only lead on
@@ -568,10 +558,10 @@ def _strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int6
     """
     ids = np.where(ids == np.iinfo(np.uint32).max, STRIP_END, ids)
     ids = np.insert(ids, np.cumsum(sizes), STRIP_END)
-    place = np.arange(len(ids))
-    start = np.maximum.accumulate(np.where(ids == STRIP_END, place + 1, 0))
+    position = np.arange(len(ids))
+    start = np.maximum.accumulate(np.where(ids == STRIP_END, position + 1, 0))
     faces = np.stack([ids[:-2], ids[1:-1], ids[2:]], axis=1)
-    odd = (place - start)[:-2] % 2 == 1
+    odd = (position - start)[:-2] % 2 == 1
     faces[odd] = faces[odd][:, [1, 0, 2]]
     whole = (faces != STRIP_END).all(axis=1)
     whole &= (faces != np.roll(faces, 1, axis=1)).all(axis=1)
@@ -579,11 +569,11 @@ def _strips(ids: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int6
     return result
 
 
-def _colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
+def _read_colours(vertex: Element) -> tuple[NDArray[np.uint8] | None, tuple[Message, ...]]:
     names = _colour_names(vertex)
     if tuple(name.lower() for name in names) == SPLATS:
-        shares = SH_0 * np.stack([vertex.values[k].astype(np.float64) for k in names], axis=1)
-        codes, notes = colour_codes(np.clip(0.5 + shares, 0.0, 1.0))
+        fractions = SH_0 * np.stack([vertex.values[k].astype(np.float64) for k in names], axis=1)
+        codes, notes = colour_codes(np.clip(0.5 + fractions, 0.0, 1.0))
         return codes, (Message("its Gaussian splats are taken as points"), *notes)
     return colour_codes(_colour_table(vertex, names)) if names else (None, ())
 
@@ -614,12 +604,12 @@ def _colour_table(element: Element, names: tuple[str, ...]) -> AnyArray:
 
 
 def _unread_colours(element: Element) -> list[str]:
-    """Return the names of an element's columns that speak of colours and are not read."""
+    """Return the names of an element's colour columns that are not read."""
     names = [p.name for p in element.properties if NAMED_AS_COLOUR.search(p.name)]
     return [name for name in names if name not in _colour_names(element)] if element.count else []
 
 
-def _normals(vertex: Element) -> NDArray[np.float64] | None:
+def _read_normals(vertex: Element) -> NDArray[np.float64] | None:
     if not {"nx", "ny", "nz"} <= set(vertex.values):
         return None
     return np.stack([vertex.values[k].astype(np.float64) for k in ("nx", "ny", "nz")], axis=1)

@@ -32,11 +32,10 @@ __all__ = [
     "Records",
     "child_records",
     "pack_normals",
-    "parse_records",
     "read_records",
     "read_records_here",
     "read_records_mesh",
-    "standing_place",
+    "standing_position",
     "unpack_normals",
     "write_records",
 ]
@@ -76,8 +75,8 @@ class Records(NamedTuple):
     faces: NDArray[np.int64] | None = None
 
 
-def standing_place(vertices: AnyArray) -> tuple[float, float, float]:
-    """Where an object stands, in mm: the middle of its box in x and y, its lowest point in z."""
+def standing_position(vertices: AnyArray) -> tuple[float, float, float]:
+    """Position of an object, mm: middle of its box in x and y, its lowest point in z."""
     low, high = np.min(vertices, axis=0), np.max(vertices, axis=0)
     middle = (low + high) / 2.0
     # to the digits of the rows; 0 is added since -0 would be another text
@@ -176,12 +175,12 @@ def read_records_here(path: Path) -> Records:
         As `read_records`.
     """
     try:
-        return parse_records(read_contents(path, MAX_BYTES))
+        return _parse_records(read_contents(path, MAX_BYTES))
     except MeshError as cause:
         raise MeshError("{file}: {cause}", file=path, cause=cause) from None
 
 
-def parse_records(data: bytes) -> Records:
+def _parse_records(data: bytes) -> Records:
     """Return the records in a file's bytes.
 
     Raises
@@ -205,17 +204,17 @@ def parse_records(data: bytes) -> Records:
         raise MeshError("line {first}: a coordinate is not a number", first=rows[0][0]) from None
     if len(rows) < 2:
         raise MeshError("it has no rows; expected one for each vertex")
-    table = _table(rows[1:])
-    normals = unpack_normals(table[:, 3]) if table.shape[1] == 7 else _unit(table[:, 3:6])
+    table = _parse_rows(rows[1:])
+    normals = unpack_normals(table[:, 3]) if table.shape[1] == 7 else _normalise(table[:, 3:6])
     with np.errstate(over="ignore", invalid="ignore"):
         vertices = table[:, :3] + start
     if not np.isfinite(vertices).all():
         raise MeshError("a position is not finite; expected numbers in mm")
     srgb = table[:, -3:].astype(np.uint8)
-    return Records(start, vertices, normals, srgb, _faces(comments, len(vertices)))
+    return Records(start, vertices, normals, srgb, _read_faces(comments, len(vertices)))
 
 
-def _faces(comments: list[tuple[int, str]], n_vertices: int) -> NDArray[np.int64] | None:
+def _read_faces(comments: list[tuple[int, str]], n_vertices: int) -> NDArray[np.int64] | None:
     """Return the triangles among a file's comments, from the line that announces them on."""
     announced = [n for n, (_, line) in enumerate(comments) if line.startswith(FACES)]
     if not announced:
@@ -235,7 +234,7 @@ def _faces(comments: list[tuple[int, str]], n_vertices: int) -> NDArray[np.int64
     return np.array(faces, np.int64).reshape(-1, 3)
 
 
-def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:
+def _normalise(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     with np.errstate(over="ignore"):
         length = np.linalg.norm(normals, axis=1, keepdims=True)
     if not ((length > 0.0) & (length < np.inf)).all():
@@ -244,7 +243,7 @@ def _unit(normals: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def _table(rows: list[tuple[int, str]]) -> NDArray[np.float64]:
+def _parse_rows(rows: list[tuple[int, str]]) -> NDArray[np.float64]:
     """Return all rows' numbers, (V, 7) or (V, 9)."""
     width = rows[0][1].count(",") + 1
     for k, line in rows:
@@ -311,7 +310,7 @@ def read_records_mesh(data: bytes) -> RawMesh:
     MeshError
         With the number of the line that is not as expected.
     """
-    records = parse_records(data)
+    records = _parse_records(data)
     faces = np.empty((0, 3), np.int64) if records.faces is None else records.faces
     announces = "" if records.faces is None else Message("faces")
     return RawMesh.of_triangles(

@@ -50,8 +50,8 @@ def read_stl(data: bytes, texture: bool = False) -> RawMesh:
     binary = len(data) >= HEADER and len(data) == HEADER + FACET.itemsize * _count(data)
     if not binary and data[:512].lstrip().lower().startswith(b"solid") and FACETS.search(data):
         raw = RawMesh.of_triangles(*_merge(_read_ascii(data)))
-        told = {FACE_COLOURS} if COLOURS.search(data) else set()
-        return replace(raw, notes=left_out(told))
+        dropped = {FACE_COLOURS} if COLOURS.search(data) else set()
+        return replace(raw, notes=left_out(dropped))
     facets = _read_binary(data)
     raw = RawMesh.of_triangles(*_merge(facets["corners"].reshape(-1, 3)))
     codes = _facet_colours(data[: HEADER - 4], facets["attribute"])
@@ -95,18 +95,18 @@ def _read_binary(data: bytes) -> AnyArray:
 
 
 def _read_ascii(data: bytes) -> NDArray[np.float64]:
-    found = VERTEX.findall(data)
+    vertices = VERTEX.findall(data)
     n_facets, n_ends = len(FACETS.findall(data)), len(ENDS.findall(data))
-    if len(found) != 3 * n_facets or n_ends != n_facets:
+    if len(vertices) != 3 * n_facets or n_ends != n_facets:
         raise MeshError(
             "it has {n_facets} facets, {n_ends} of them ended, with {n} vertices; expected "
             "{expected}: the file is cut short or damaged",
             n_facets=n_facets,
             n_ends=n_ends,
-            n=len(found),
+            n=len(vertices),
             expected=3 * n_facets,
         )
-    return parse_numbers(b"\n".join(found), Message("a vertex")).reshape(-1, 3)
+    return parse_numbers(b"\n".join(vertices), Message("a vertex")).reshape(-1, 3)
 
 
 def _merge(corners: AnyArray) -> tuple[AnyArray, AnyArray]:

@@ -45,7 +45,7 @@ def write_svg(
         '<?xml version="1.0" encoding="UTF-8"?>',
         f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm" '
         f'viewBox="{x:g} {-top:g} {width:g} {height:g}">',
-        f"<title>{_escaped(title)}</title>",
+        f"<title>{_escape(title)}</title>",
     ]
     for colour, strokes in groups:
         lines.append(f'<g fill="{colour}" fill-rule="nonzero">')
@@ -62,6 +62,6 @@ def _ring(points: AnyArray) -> str:
     return f"M{first}L{' '.join(others)}Z"
 
 
-def _escaped(text: str) -> str:
-    kept = "".join(c if c.isprintable() else " " for c in text)
-    return kept.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")
+def _escape(text: str) -> str:
+    printable = "".join(c if c.isprintable() else " " for c in text)
+    return printable.replace("&", "&amp;").replace("<", "&lt;").replace(">", "&gt;")

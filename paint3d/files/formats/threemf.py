@@ -91,7 +91,7 @@ _CODED = 3  # the first filament that takes two digits
 
 
 class Seen(NamedTuple):
-    """What the triangles of a mesh look like.
+    """Looks of the triangles of a mesh.
 
     Attributes
     ----------
@@ -112,7 +112,7 @@ class Seen(NamedTuple):
 
 
 class _Group(NamedTuple):
-    values: NDArray[np.float64]  # colours (N, 3), or places on a picture (N, 2)
+    values: NDArray[np.float64]  # colours (N, 3), or texture coordinates (N, 2)
     look: int  # -1: colours
 
 
@@ -150,14 +150,14 @@ class Paint3mf:
         solid: ElementTree.Element,
         triangles: Sequence[ElementTree.Element],
     ) -> Seen:
-        """Return what an object's triangles look like.
+        """Return the looks of an object's triangles.
 
         Raises
         ------
         MeshError
-            If one refers to a colour or a place on a picture that its group does not have.
+            If one refers to a colour or a texture coordinate that its group does not have.
         """
-        groups = self._of_part(part, model)
+        groups = self._groups_of_part(part, model)
         colours = np.full((len(triangles), 3, 3), 255.0)
         coloured = np.zeros(len(triangles), np.bool_)
         look_of = np.full(len(triangles), -1)
@@ -171,7 +171,7 @@ class Paint3mf:
                     self.dropped.add(Message("colours of resources that it does not contain"))
                 continue
             first = triangle.get("p1", otherwise[1])
-            rows = [_index(triangle.get(p, first), group, number) for p in ("p1", "p2", "p3")]
+            rows = [_check_index(triangle.get(p, first), group, number) for p in ("p1", "p2", "p3")]
             if group.look < 0:
                 colours[k], coloured[k] = group.values[rows], True
             else:
@@ -181,34 +181,37 @@ class Paint3mf:
             uv.reshape(-1, 2),
         )  # fmt: skip
 
-    def _of_part(self, part: str, model: ElementTree.Element) -> dict[str | None, _Group]:
+    def _groups_of_part(self, part: str, model: ElementTree.Element) -> dict[str | None, _Group]:
         """Groups of one model part, by resource id; those that are not taken are missing."""
         if part not in self._groups:
             resources = list(model.iterfind(f"{CORE}resources/*"))
             tags = {element.tag for element in resources}
             self.dropped |= {what for tag, what in LEFT_OUT.items() if tag in tags}
             self._present[part] = {element.get("id") for element in resources}
-            self._groups[part] = {**_palettes(model), **self._pictures(model)}
+            self._groups[part] = {**_read_palettes(model), **self._read_pictures(model)}
         return self._groups[part]
 
-    def _pictures(self, model: ElementTree.Element) -> dict[str | None, _Group]:
-        found = list(model.iter(f"{MATERIAL}texture2dgroup"))
-        if found and not self._texture:
+    def _read_pictures(self, model: ElementTree.Element) -> dict[str | None, _Group]:
+        picture_groups = list(model.iter(f"{MATERIAL}texture2dgroup"))
+        if picture_groups and not self._texture:
             self.dropped.add(Message("its pictures"))
             return {}
         textures = {texture.get("id"): texture for texture in model.iter(f"{MATERIAL}texture2d")}
-        looks = {id: self._look(textures.get(id)) for id in {one.get("texid") for one in found}}
+        looks = {
+            id: self._add_look(textures.get(id))
+            for id in {one.get("texid") for one in picture_groups}
+        }
         groups = {}
-        for group in found:
+        for group in picture_groups:
             look = looks[group.get("texid")]
             if look >= 0:
-                places = [[entry.get(axis, "nan") for axis in "uv"] for entry in group]
-                uv = np.array(places, np.float64).reshape(-1, 2)
+                rows = [[entry.get(axis, "nan") for axis in "uv"] for entry in group]
+                uv = np.array(rows, np.float64).reshape(-1, 2)
                 groups[group.get("id")] = _Group(uv * (1.0, -1.0) + (0.0, 1.0), look)  # from below
         return groups
 
-    def _look(self, texture: ElementTree.Element | None) -> int:
-        """Place of a texture among the looks; -1 where it cannot be read."""
+    def _add_look(self, texture: ElementTree.Element | None) -> int:
+        """Index of a texture among the looks; -1 where it cannot be read."""
         try:
             if texture is None:
                 raise MeshError("it refers to one that it does not contain")
@@ -222,7 +225,7 @@ class Paint3mf:
         return len(self.looks) - 1
 
 
-def _index(text: str, group: _Group, number: str | None) -> int:
+def _check_index(text: str, group: _Group, number: str | None) -> int:
     index = int(text)
     if not 0 <= index < len(group.values):
         what = Message("colour") if group.look < 0 else Message("place on a picture")
@@ -239,18 +242,18 @@ def _index(text: str, group: _Group, number: str | None) -> int:
     return index
 
 
-def _palettes(model: ElementTree.Element) -> dict[str | None, _Group]:
+def _read_palettes(model: ElementTree.Element) -> dict[str | None, _Group]:
     """Return the sRGB codes of every colour group and base material list, by resource id."""
     palettes = {}
     kinds = ((f"{MATERIAL}colorgroup", "color"), (f"{CORE}basematerials", "displaycolor"))
     for tag, attribute in kinds:
         for group in model.iter(tag):
-            codes = [_hex(entry.get(attribute)) for entry in group]
+            codes = [_parse_hex(entry.get(attribute)) for entry in group]
             palettes[group.get("id")] = _Group(np.array(codes, np.float64).reshape(-1, 3), -1)
     return palettes
 
 
-def _hex(text: str | None) -> tuple[int, int, int]:
+def _parse_hex(text: str | None) -> tuple[int, int, int]:
     code = (text or "").strip().lstrip("#")
     try:
         if len(code) not in (6, 8):
@@ -316,7 +319,7 @@ def read_3mf(data: bytes, texture: bool = False) -> RawMesh:
         with zipfile.ZipFile(io.BytesIO(data)) as archive:
             _check_entries(archive)
             paint = Paint3mf(partial(read_part, archive), texture)
-            raw = _read_package(Package(archive, paint, _filaments(archive)))
+            raw = _read_package(Package(archive, paint, _read_filaments(archive)))
             return raw if texture else replace(raw, looks=(), look_of=None, uv=None)
     except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError) as cause:
         raise MeshError("it is not a readable 3MF archive: {cause}", cause=cause) from None
@@ -342,7 +345,7 @@ def _check_entries(archive: zipfile.ZipFile) -> None:
 
 
 def _read_package(package: Package) -> RawMesh:
-    start = _start_part(package.archive)
+    start = _find_start(package.archive)
     model = package.model(start)
     unit = model.get("unit", "millimeter")
     if unit not in UNITS_MM:
@@ -353,7 +356,7 @@ def _read_package(package: Package) -> RawMesh:
         )
     for item in model.iterfind(f"{CORE}build/{CORE}item"):
         part = item.get(f"{PRODUCTION}path", start)
-        _place(package, part, item.get("objectid"), _matrix(item.get("transform")), ())
+        _add_object(package, part, item.get("objectid"), _parse_matrix(item.get("transform")), ())
     if not package.pieces:
         raise MeshError("it has no build items with triangles; expected a surface")
     raw = join_meshes(package.pieces)
@@ -372,7 +375,7 @@ def _read_package(package: Package) -> RawMesh:
 
 
 def _has_filaments(archive: zipfile.ZipFile) -> bool:
-    """Whether a slicer's settings give parts another filament than the first."""
+    """Return whether a slicer's settings give parts another filament than the first."""
     there = set(archive.namelist())
     return any(
         OTHER_FILAMENT.search(archive.read(name)) for name in SLICER_SETTINGS if name in there
@@ -384,7 +387,7 @@ def _has_beams(package: Package) -> bool:
     return any(root.find(objects) is not None for root in package.models.values())
 
 
-def _start_part(archive: zipfile.ZipFile) -> str:
+def _find_start(archive: zipfile.ZipFile) -> str:
     try:
         relations = parse_xml(archive.read("_rels/.rels"), "_rels/.rels")
     except KeyError:
@@ -395,7 +398,7 @@ def _start_part(archive: zipfile.ZipFile) -> str:
     raise MeshError("it names no 3-D model part; expected a 3MF package")
 
 
-def _place(
+def _add_object(
     package: Package,
     part: str,
     object_id: str | None,
@@ -406,8 +409,10 @@ def _place(
     if (part, object_id) in inside or len(package.pieces) > MAX_PARTS:
         raise MeshError("object {object_id} contains itself or too many parts", object_id=object_id)
     model = package.model(part)
-    found = (o for o in model.iterfind(f"{CORE}resources/{CORE}object") if o.get("id") == object_id)
-    solid = next(found, None)
+    objects = (
+        o for o in model.iterfind(f"{CORE}resources/{CORE}object") if o.get("id") == object_id
+    )
+    solid = next(objects, None)
     if solid is None:
         raise MeshError(
             "it refers to object {object_id}, which it does not contain",
@@ -415,14 +420,14 @@ def _place(
         )
     mesh = solid.find(f"{CORE}mesh")
     if mesh is not None:
-        package.pieces.append(_mesh(package, part, solid, mesh, matrix))
+        package.pieces.append(_read_mesh(package, part, solid, mesh, matrix))
     for component in solid.iterfind(f"{CORE}components/{CORE}component"):
         inner = component.get(f"{PRODUCTION}path", part)
-        local = _matrix(component.get("transform")) @ matrix
-        _place(package, inner, component.get("objectid"), local, (*inside, (part, object_id)))
+        local = _parse_matrix(component.get("transform")) @ matrix
+        _add_object(package, inner, component.get("objectid"), local, (*inside, (part, object_id)))
 
 
-def _matrix(text: str | None) -> NDArray[np.float64]:
+def _parse_matrix(text: str | None) -> NDArray[np.float64]:
     """Return the 4 x 4 matrix for row vectors, p' = p M, of 12 numbers row by row."""
     matrix = np.eye(4)
     if text is not None:
@@ -430,7 +435,7 @@ def _matrix(text: str | None) -> NDArray[np.float64]:
     return matrix
 
 
-def _mesh(
+def _read_mesh(
     package: Package,
     part: str,
     solid: ElementTree.Element,
@@ -455,12 +460,12 @@ def _mesh(
     if any(code for code, own in zip(codes, plain, strict=True) if own):
         if len(package.filaments) and plain.all():
             vertices, faces, filaments = _split_as_painted(vertices, faces, codes)
-            seen = _seen_in(package.filaments, filaments, package.paint)
+            seen = _see_filaments(package.filaments, filaments, package.paint)
         else:
             package.paint.dropped.add(LEFT_OUT["painted"])
     corners = None if seen.colours is None else seen.colours.reshape(-1, 3, 3)
     uv = seen.uv.reshape(-1, 3, 2)
-    colours = None if corners is None else _means(seen, faces, len(vertices))
+    colours = None if corners is None else _mean_colours(seen, faces, len(vertices))
     if np.linalg.det(matrix[:3, :3]) < 0.0:
         faces, uv = faces[:, ::-1], uv[:, ::-1]
         corners = None if corners is None else corners[:, ::-1]
@@ -470,7 +475,7 @@ def _mesh(
     )  # fmt: skip
 
 
-def _means(seen: Seen, faces: NDArray[np.int64], n_vertices: int) -> NDArray[np.uint8]:
+def _mean_colours(seen: Seen, faces: NDArray[np.int64], n_vertices: int) -> NDArray[np.uint8]:
     """Return the mean colour of each vertex's corners, white where there is none."""
     corners = faces[seen.coloured].ravel()
     assert seen.colours is not None, "there are means of colours only"
@@ -494,14 +499,14 @@ PRUSA_SETTINGS = "Metadata/Slic3r_PE.config"
 _PRUSA_COLOURS = re.compile(r"^; (extruder|filament)_colour = (.*)$", re.MULTILINE)
 
 
-def _filaments(archive: zipfile.ZipFile) -> NDArray[np.float64]:
+def _read_filaments(archive: zipfile.ZipFile) -> NDArray[np.float64]:
     """Return the colours (k, 3) of the filaments that a slicer's settings name; none: (0, 3)."""
     there = set(archive.namelist())
-    told: list[str] = []
+    named: list[str] = []
     if SETTINGS in there:
         try:
             settings = json.loads(archive.read(SETTINGS))
-            told = list(settings["filament_colour"])
+            named = list(settings["filament_colour"])
         except (ValueError, KeyError, TypeError, RecursionError):
             pass
     elif PRUSA_SETTINGS in there:
@@ -510,19 +515,19 @@ def _filaments(archive: zipfile.ZipFile) -> NDArray[np.float64]:
             kind: line.replace('"', "").split(";") for kind, line in _PRUSA_COLOURS.findall(text)
         }
         own = lists.get("extruder", [])  # where an extruder has none it shows its filament's
-        told = [
+        named = [
             (own[k].strip() if k < len(own) else "") or colour.strip()
             for k, colour in enumerate(lists.get("filament", own))
         ]
     try:
-        codes = [_hex(colour) for colour in told]
+        codes = [_parse_hex(colour) for colour in named]
     except (MeshError, AttributeError):
         codes = []
     return np.array(codes, np.float64).reshape(-1, 3)
 
 
-def _seen_in(colours: NDArray[np.float64], filaments: list[int], paint: Paint3mf) -> Seen:
-    """Return what triangles look like in filaments counted from 0, -1 for the part's own."""
+def _see_filaments(colours: NDArray[np.float64], filaments: list[int], paint: Paint3mf) -> Seen:
+    """Return the looks of triangles in filaments counted from 0, -1 for the part's own."""
     which = np.array(filaments)
     if which.max() >= len(colours):
         paint.dropped.add(Message("colours of filaments that its settings do not name"))
@@ -549,30 +554,30 @@ def _split_as_painted(
     leaves = [
         leaf
         for (a, b, c), code in zip(faces.tolist(), codes, strict=True)
-        for leaf in _leaves((a, b, c), code, half)
+        for leaf in _read_leaves((a, b, c), code, half)
     ]
     points = np.concatenate([vertices, np.empty((len(halves), 3))])
     for (a, b), k in halves.items():  # those of finer edges come later
         points[k] = 0.5 * (points[a] + points[b])
 
-    def way(a: int, b: int) -> list[int]:
+    def edge_path(a: int, b: int) -> list[int]:
         """The vertices from a to b, without b."""
-        found, open_ways = [], [(a, b)]
-        while open_ways:
-            a, b = open_ways.pop()
+        vertex_ids, open_edges = [], [(a, b)]
+        while open_edges:
+            a, b = open_edges.pop()
             middle = halves.get((a, b) if a < b else (b, a))
             if middle is None:
-                found.append(a)
+                vertex_ids.append(a)
             else:
-                open_ways += [(middle, b), (a, middle)]
-        return found
+                open_edges += [(middle, b), (a, middle)]
+        return vertex_ids
 
     triangles: list[tuple[int, int, int]] = []
     filaments: list[int] = []
     middles: list[NDArray[np.float64]] = []
     for corners, filament in leaves:
         a, b, c = corners
-        ring = [*way(a, b), *way(b, c), *way(c, a)]
+        ring = [*edge_path(a, b), *edge_path(b, c), *edge_path(c, a)]
         if len(ring) == 3:
             parts = [corners]
         else:
@@ -585,7 +590,7 @@ def _split_as_painted(
     return points, np.array(triangles, np.int64).reshape(-1, 3), filaments
 
 
-def _leaves(
+def _read_leaves(
     corners: tuple[int, int, int], code: str, half: Callable[[int, int], int]
 ) -> list[tuple[tuple[int, int, int], int]]:
     """The parts of a painted triangle, and the filament of each, from 0; -1 is the part's own."""
@@ -596,12 +601,12 @@ def _leaves(
         digits = iter([int(digit, 16) for digit in reversed(code.strip())])
         while left:
             a, b, c = left.pop()
-            split, said = (digit := next(digits)) & 3, digit >> 2
+            split, code_bits = (digit := next(digits)) & 3, digit >> 2
             if not split:
-                filament = 3 + next(digits) if said == 3 else said
+                filament = 3 + next(digits) if code_bits == 3 else code_bits
                 leaves.append(((a, b, c), filament - 1))
                 continue
-            a, b, c = ((a, b, c), (b, c, a), (c, a, b))[said % 3]
+            a, b, c = ((a, b, c), (b, c, a), (c, a, b))[code_bits % 3]
             if split == 1:
                 left += [(a, b, half(b, c)), (half(b, c), c, a)]
             elif split == 2:
@@ -633,7 +638,7 @@ def write_3mf(
 ) -> None:
     """Write one object with the colours of all three corners, or one filament, on each triangle.
 
-    Vertices in one place become one, so that what was closed is closed in the file although its
+    Vertices at one position become one, so that what was closed is closed in the file although its
     creases had several normals. The specification forbids triangles that name a vertex twice;
     they are left out.
 
@@ -658,53 +663,53 @@ def write_3mf(
     OSError
         If the file cannot be written.
     """
-    places, place_of = _weld(vertices)
-    corners = place_of[faces]
+    points, point_of = _weld(vertices)
+    corners = point_of[faces]
     sound = (corners != np.roll(corners, 1, axis=1)).all(axis=1)
     beside: dict[str, str] = {}
     if palette is None or face_filaments is None:
-        colours, colour_ids = _colours(srgb)
+        colours, colour_ids = _distinct_colours(srgb)
         properties = colour_ids[faces[sound]]
         triangles = np.concatenate([corners[sound], properties], axis=1, dtype=np.int32)
-        body = text_rows(_triangle('p1="{i3}" p2="{i4}" p3="{i5}"'), integers=triangles)
-        parts = _model(places, body, colours, name, UNIT_NAMES[unit])
+        body = text_rows(_triangle_row('p1="{i3}" p2="{i4}" p3="{i5}"'), integers=triangles)
+        parts = _write_model(points, body, colours, name, UNIT_NAMES[unit])
     else:
         colours = [f"#{bytes(colour).hex().upper()}" for colour in palette]
-        body = _in_filaments(corners[sound], face_filaments[sound], len(palette))
-        parts = _model(places, body, colours, name, UNIT_NAMES[unit], for_slicers=True)
+        body = _write_by_filament(corners[sound], face_filaments[sound], len(palette))
+        parts = _write_model(points, body, colours, name, UNIT_NAMES[unit], for_slicers=True)
         if len(palette) <= MOST_PAINTED:
             beside = _slicer_settings(colours, name)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED, compresslevel=FASTEST) as archive:
-        archive.writestr(_entry("[Content_Types].xml"), CONTENT_TYPES)
-        archive.writestr(_entry("_rels/.rels"), RELATIONS)
+        archive.writestr(_zip_entry("[Content_Types].xml"), CONTENT_TYPES)
+        archive.writestr(_zip_entry("_rels/.rels"), RELATIONS)
         # by its name alone it gets the archive's compression, and the fixed date all the same
         with archive.open("3D/3dmodel.model", "w", force_zip64=True) as file:
             file.writelines(parts)
         for part, text in beside.items():
-            archive.writestr(_entry(part), text)
+            archive.writestr(_zip_entry(part), text)
 
 
-def _triangle(properties: str) -> str:
+def _triangle_row(properties: str) -> str:
     return f'<triangle v1="{{i0}}" v2="{{i1}}" v3="{{i2}}" pid="1" {properties}/>\n'
 
 
-def _entry(name: str) -> zipfile.ZipInfo:
+def _zip_entry(name: str) -> zipfile.ZipInfo:
     entry = zipfile.ZipInfo(name, EARLIEST)
     entry.compress_type = zipfile.ZIP_DEFLATED
     return entry
 
 
 def _weld(vertices: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.int32]]:
-    """Return the different positions in the order of the vertices, and each vertex's one."""
+    """Return the distinct positions in the order of the vertices, and each vertex's index."""
     from paint3d.mesh.base_surface import weld
 
-    points, place_of = weld(vertices)
-    _, first = np.unique(place_of, return_index=True)
-    return points[first], place_of
+    points, point_of = weld(vertices)
+    _, first = np.unique(point_of, return_index=True)
+    return points[first], point_of
 
 
-def _colours(srgb: NDArray[np.uint8]) -> tuple[list[str], NDArray[np.int32]]:
-    """Return the different colours as hex, and the place of each vertex's one."""
+def _distinct_colours(srgb: NDArray[np.uint8]) -> tuple[list[str], NDArray[np.int32]]:
+    """Return the different colours as hex, and the index of each vertex's."""
     packed = (srgb.astype(np.uint32) << np.array([16, 8, 0], np.uint32)).sum(axis=1)
     used = np.zeros(1 << 24, np.int32)
     used[packed] = 1
@@ -713,8 +718,8 @@ def _colours(srgb: NDArray[np.uint8]) -> tuple[list[str], NDArray[np.int32]]:
     return [f"#{colour:06X}" for colour in colours.tolist()], used[packed]
 
 
-def _model(
-    places: NDArray[np.float32],
+def _write_model(
+    points: NDArray[np.float32],
     triangles: Iterable[bytes],
     colours: list[str],
     name: str,
@@ -740,7 +745,7 @@ def _model(
         f'<object id="2" name={quoteattr(name)} type="model" pid="1" pindex="0">'
         "<mesh><vertices>\n"
     ).encode()
-    yield from text_rows('<vertex x="{f0}" y="{f1}" z="{f2}"/>\n', places)
+    yield from text_rows('<vertex x="{f0}" y="{f1}" z="{f2}"/>\n', points)
     yield b"</vertices><triangles>\n"
     yield from triangles
     yield b"</triangles></mesh></object>\n"
@@ -760,22 +765,22 @@ def _model(
 # it; of versions, 02.00.00.00 is one that both of them take.
 
 
-def _in_filaments(
+def _write_by_filament(
     corners: NDArray[np.int32], filaments: NDArray[np.int32], n_filaments: int
 ) -> Iterator[bytes]:
     """Yield triangles filament by filament, in their order within each."""
     for k in range(n_filaments):
         properties = f'p1="{k}"'
         if n_filaments <= MOST_PAINTED:
-            code = _painted(k + 1)
+            code = _paint_code(k + 1)
             properties += f' paint_color="{code}" slic3rpe:mmu_segmentation="{code}"'
         own = np.ascontiguousarray(corners[filaments == k], np.int32)
         if len(own):
-            yield from text_rows(_triangle(properties), integers=own)
+            yield from text_rows(_triangle_row(properties), integers=own)
 
 
-def _painted(filament: int) -> str:
-    """What slicers write on a triangle that is all of one filament, counted from 1.
+def _paint_code(filament: int) -> str:
+    """Slicers' code for a triangle of a single filament, counted from 1.
 
     Hexadecimal digits, the last one first: two bits of how it is split, which it is not, two of the
     filament; from the third on these are both set, and another digit counts on.
@@ -784,7 +789,7 @@ def _painted(filament: int) -> str:
 
 
 def _slicer_settings(colours: list[str], name: str) -> dict[str, str]:
-    """Return the parts of a package that say the filaments' colours, and what the object is."""
+    """Return the parts of a package with the filaments' colours, and the object's type."""
     called = f'<metadata key="name" value={quoteattr(name)}/>'
     return {
         "Metadata/project_settings.config": json_text(

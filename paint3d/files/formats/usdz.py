@@ -90,7 +90,9 @@ def write_usdz(
         try:
             stage.GetRootLayer().Save()
         except Tf.ErrorException as cause:
-            raise OSError(f"usd-core says: {_last_words(cause)}") from None
+            reason = str(cause).strip().split("\n")[0]  # without where in the library's sources
+            reason = reason.rpartition(" : ")[2].strip("' ")
+            raise OSError(f"usd-core says: {reason}") from None
         _pack(path, crate.read_bytes())
 
 
@@ -152,11 +154,6 @@ def _add_material(stage: Any, finish: Finish) -> Any:
     else:
         rough.ConnectToSource(read("Roughness", "float", "roughness"))
     return material
-
-
-def _last_words(cause: Exception) -> str:
-    """Return what went wrong without where in the library's sources."""
-    return str(cause).strip().split("\n")[0].rpartition(" : ")[2].strip("' ")
 
 
 def _pack(path: Path, crate: bytes) -> None:

@@ -49,7 +49,7 @@ def write_archive(
 ) -> None:
     """Write a JSON object and arrays by name.
 
-    `progress` is told the share of the arrays that is written.
+    `progress` is given the fraction of the arrays that is written.
 
     Raises
     ------
@@ -60,13 +60,13 @@ def write_archive(
     """
     with zipfile.ZipFile(path, "w") as archive:
         line = json.dumps(text, ensure_ascii=False, allow_nan=False, indent=1)
-        archive.writestr(_entry(TEXT), line.encode("utf-8", "surrogatepass"))
+        archive.writestr(_zip_entry(TEXT), line.encode("utf-8", "surrogatepass"))
         total, done = sum(array.nbytes for array in arrays.values()) or 1, 0
         for name, array in arrays.items():
             head = io.BytesIO()
             array = np.ascontiguousarray(array)
             npy.write_array_header_1_0(head, npy.header_data_from_array_1_0(array))
-            with archive.open(_entry(f"{name}.npy"), "w", force_zip64=True) as file:
+            with archive.open(_zip_entry(f"{name}.npy"), "w", force_zip64=True) as file:
                 file.write(head.getvalue())
                 data = array.reshape(-1).view(np.uint8).data
                 for at in range(0, len(data), PART):
@@ -76,7 +76,7 @@ def write_archive(
                         progress(done / total)
 
 
-def _entry(name: str) -> zipfile.ZipInfo:
+def _zip_entry(name: str) -> zipfile.ZipInfo:
     entry = zipfile.ZipInfo(name, EARLIEST)
     entry.external_attr = 0o644 << 16
     entry.compress_type = zipfile.ZIP_DEFLATED
@@ -102,10 +102,10 @@ def read_archive(
         if not stat.S_ISREG(os.stat(path).st_mode):  # opening a named pipe waits for a writer
             raise SessionError("it is no plain file; expected a painting")
         with open(path, "rb") as file, zipfile.ZipFile(file) as archive:
-            entries = _checked(archive, os.fstat(file.fileno()).st_size)
+            entries = _check_entries(archive, os.fstat(file.fileno()).st_size)
             entry = entries.pop(TEXT)
             with archive.open(entry) as inner:
-                text = _parse(_read_exactly(inner, entry.file_size, TEXT))
+                text = _parse_text(_read_exactly(inner, entry.file_size, TEXT))
             arrays = {}
             for k, (name, entry) in enumerate(entries.items()):
                 if name.endswith(".npy"):
@@ -121,7 +121,7 @@ def read_archive(
         raise SessionError("it is damaged, or no session: {cause}", cause=cause) from None
 
 
-def _checked(archive: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
+def _check_entries(archive: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
     """Return the entries by name; they must not claim to be much larger than the file."""
     entries = archive.infolist()
     most = min(MAX_RATIO * size + FREE_BYTES, MAX_BYTES)
@@ -134,20 +134,20 @@ def _checked(archive: zipfile.ZipFile, size: int) -> dict[str, zipfile.ZipInfo]:
                 "{filename!r:.60} is packed by something else than deflate, or locked",
                 filename=entry.filename,
             )
-    found = {entry.filename: entry for entry in entries}
-    if TEXT not in found or len(found) < len(entries):
+    by_name = {entry.filename: entry for entry in entries}
+    if TEXT not in by_name or len(by_name) < len(entries):
         raise SessionError("it has no {text}, or a name twice; expected a session", text=TEXT)
-    if found[TEXT].file_size > MAX_TEXT:
+    if by_name[TEXT].file_size > MAX_TEXT:
         raise SessionError(
             "its {text} has {file_size:,} bytes; expected {most:,}",
             text=TEXT,
-            file_size=found[TEXT].file_size,
+            file_size=by_name[TEXT].file_size,
             most=MAX_TEXT,
         )
-    return found
+    return by_name
 
 
-def _parse(data: bytes) -> dict[str, object]:
+def _parse_text(data: bytes) -> dict[str, object]:
     try:
         text = json.loads(data.decode("utf-8", "surrogatepass"))
     except (ValueError, RecursionError) as cause:
@@ -159,7 +159,7 @@ def _parse(data: bytes) -> dict[str, object]:
 
 def _read_array(archive: zipfile.ZipFile, entry: zipfile.ZipInfo) -> AnyArray:
     with archive.open(entry) as file:
-        shape, dtype, length = _array_header(file, entry.filename)
+        shape, dtype, length = _read_array_header(file, entry.filename)
         count = 1
         for n in shape:
             count *= n
@@ -187,7 +187,7 @@ def _read_exactly(file: IO[bytes], size: int, name: str) -> bytes:
     return b"".join(parts)
 
 
-def _array_header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype, int]:
+def _read_array_header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype, int]:
     """Return shape, element type and the header's length of an .npy file of version 1.0.
 
     NumPy's own reader parses the header as Python, and old ones by its tokenizer, which stumbles
@@ -195,8 +195,8 @@ def _array_header(file: IO[bytes], name: str) -> tuple[tuple[int, ...], np.dtype
     """
     start = file.read(10)
     length = int.from_bytes(start[8:], "little")
-    found = HEADER.fullmatch(file.read(min(length, MAX_HEADER)).rstrip(b" \n"))
-    if start[:8] != b"\x93NUMPY\x01\x00" or found is None:
+    match = HEADER.fullmatch(file.read(min(length, MAX_HEADER)).rstrip(b" \n"))
+    if start[:8] != b"\x93NUMPY\x01\x00" or match is None:
         raise SessionError("{name!r:.60} is no array of plain numbers", name=name)
-    shape = tuple(int(n) for n in found["shape"].split(b",") if n.strip())
-    return shape, np.dtype(found["type"].decode("ascii")), 10 + length
+    shape = tuple(int(n) for n in match["shape"].split(b",") if n.strip())
+    return shape, np.dtype(match["type"].decode("ascii")), 10 + length

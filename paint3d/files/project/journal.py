@@ -1,4 +1,4 @@
-"""A journal of what the hands do while painting, so that a crash costs a moment at most.
+"""A journal of the hands' samples while painting, so that a crash costs a moment at most.
 
 The file is only ever appended to. It starts with ``P3DJ`` and a block with the recording's header
 (JSON); then come blocks of samples, and an empty block where the journal was closed. A block is
@@ -61,7 +61,7 @@ SYNC_S = 0.1
 
 @dataclass(frozen=True)
 class Loss:
-    """What of a journal could not be read.
+    """Part of a journal that could not be read.
 
     Attributes
     ----------
@@ -114,13 +114,13 @@ class Journal:
                 "{file}: cannot start a journal: {cause}", file=path, cause=cause
             ) from None
         self._length = 0
-        self._held: list[bytes] | None = None  # to be written together
+        self._waiting: list[bytes] | None = None  # to be written together
         self._last_ns: int | None = None
         self._has_pressure: bool | None = None
         self._failure: ExportError | None = None
         self._closing = threading.Event()
         self._dirty = threading.Event()
-        self._write(MAGIC + _block(HEADER, content))
+        self._write(MAGIC + _make_block(HEADER, content))
         self._syncing = threading.Thread(target=self._keep_synced, daemon=True)
         self._syncing.start()
 
@@ -147,11 +147,11 @@ class Journal:
             return
         table = np.array(rows, SAMPLE)
         self._check(table)
-        self._write(_block(SAMPLES, table.tobytes()))
+        self._write(_make_block(SAMPLES, table.tobytes()))
         self._last_ns = int(table["time_ns"][-1])
 
     def note(self, facts: Mapping[str, object]) -> None:
-        """Write down something that is no sample, as JSON can hold it.
+        """Write a note: a JSON object between samples.
 
         Raises
         ------
@@ -166,7 +166,7 @@ class Journal:
             raise RecordingError(
                 "a note cannot be kept in the journal: {cause}", cause=cause
             ) from None
-        self._write(_block(NOTE, content))
+        self._write(_make_block(NOTE, content))
         self._last_ns = self._has_pressure = None
 
     @contextmanager
@@ -181,15 +181,15 @@ class Journal:
         ExportError
             If it cannot be written; the journal is then whole up to what was written before.
         """
-        self._held = []
+        self._waiting = []
         before = self._last_ns, self._has_pressure
         try:
             yield
         finally:
-            held, self._held = self._held, None
+            waiting, self._waiting = self._waiting, None
             try:
-                if held:
-                    self._write(b"".join(held))
+                if waiting:
+                    self._write(b"".join(waiting))
             except ExportError:  # a note that is not there lets no time start over
                 self._last_ns, self._has_pressure = before
                 raise
@@ -205,8 +205,8 @@ class Journal:
             raise RecordingError("pressure is given in some samples; expected it in all or none")
 
     def _write(self, data: bytes) -> None:
-        if self._held is not None:
-            self._held.append(data)
+        if self._waiting is not None:
+            self._waiting.append(data)
             return
         try:
             view = memoryview(data)
@@ -228,7 +228,7 @@ class Journal:
                 with suppress(OSError):  # writing will tell
                     flush_file(self._file)
         try:
-            self._write(_block(END, b""))
+            self._write(_make_block(END, b""))
             with suppress(OSError):
                 flush_file(self._file)
         except ExportError as error:
@@ -236,17 +236,17 @@ class Journal:
         finally:
             os.close(self._file)
 
-    def let_go(self) -> None:
-        """Have it marked as whole, brought to the disk and closed, and wait for none of it."""
+    def close_in_background(self) -> None:
+        """Mark the journal as whole, sync and close it in its thread; do not wait for that."""
         self._closing.set()
 
     def close(self) -> None:
-        """Mark the journal as whole, bring it to the disk and close it.
+        """Mark the journal as whole, sync it and close it.
 
         Raises
         ------
         ExportError
-            If the mark could not be written; told once.
+            If the mark could not be written; raised once.
         """
         self._closing.set()
         self._syncing.join()
@@ -267,7 +267,7 @@ class Journal:
 
 
 def read_journal(path: str | os.PathLike[str]) -> tuple[Recording, Loss]:
-    """Return what a journal holds up to its end or the first damage, and what is lost.
+    """Return a journal's content up to its end or the first damage, and the loss.
 
     Raises
     ------
@@ -275,13 +275,13 @@ def read_journal(path: str | os.PathLike[str]) -> tuple[Recording, Loss]:
         If it is no journal, or not one sample can be read.
     """
     header, pieces, loss = _read_pieces(path)
-    return _recording(path, header, [p for p in pieces if not isinstance(p, dict)], loss)
+    return _make_recording(path, header, [p for p in pieces if not isinstance(p, dict)], loss)
 
 
 def read_events(
     path: str | os.PathLike[str],
 ) -> tuple[dict[str, object], list[Recording | dict[str, object]], Loss]:
-    """Return a journal's header, its samples and notes in order, and what is lost.
+    """Return a journal's header, its samples and notes in order, and the loss.
 
     Samples between two notes are one recording. All is up to the end or the first damage.
 
@@ -295,38 +295,38 @@ def read_events(
     tables: list[AnyArray] = []
     for piece in pieces:
         if isinstance(piece, dict):
-            events += [*_gathered(path, tables), piece]
+            events += [*_join_tables(path, tables), piece]
             tables = []
         else:
             tables.append(piece)
-    return header, events + _gathered(path, tables), loss
+    return header, events + _join_tables(path, tables), loss
 
 
 def _read_pieces(
     path: str | os.PathLike[str],
 ) -> tuple[dict[str, object], list[AnyArray | dict[str, object]], Loss]:
-    """Return a journal's header, its tables of samples and its notes in order, and what is lost."""
-    data = _read(path)
+    """Return a journal's header, its tables of samples and its notes in order, and the loss."""
+    data = _read_bytes(path)
     header: object = None
     pieces: list[AnyArray | dict[str, object]] = []
     at, closed = len(MAGIC), False
-    for kind, content, end in _blocks(data):
+    for kind, content, end in _split_blocks(data):
         if kind == HEADER and header is None:
-            header = _header(content)
+            header = _parse_json(content)
         elif kind == SAMPLES and not len(content) % SAMPLE.itemsize:
             pieces.append(np.frombuffer(content, SAMPLE))
         elif kind == _OLD_SAMPLES and not len(content) % _OLD_SAMPLE.itemsize:
             pieces.append(_without_contact(np.frombuffer(content, _OLD_SAMPLE)))
-        elif kind == NOTE and isinstance(note := _header(content), dict):
+        elif kind == NOTE and isinstance(note := _parse_json(content), dict):
             pieces.append(note)
         at, closed = end, kind == END
     if not isinstance(header, dict):
         raise SessionError("{file}: its header is damaged", file=path)
-    return header, pieces, _loss(len(data), at, closed)
+    return header, pieces, _describe_loss(len(data), at, closed)
 
 
 def _without_contact(table: AnyArray) -> AnyArray:
-    """Samples of an older journal as those of this one."""
+    """Convert samples of an older journal, which had no contact points."""
     whole = np.empty(len(table), SAMPLE)
     for name in table.dtype.names or ():
         whole[name] = table[name]
@@ -334,11 +334,11 @@ def _without_contact(table: AnyArray) -> AnyArray:
     return whole
 
 
-def _gathered(path: str | os.PathLike[str], tables: list[AnyArray]) -> list[Recording]:
-    return [_recording(path, {}, tables, Loss())[0]] if tables else []
+def _join_tables(path: str | os.PathLike[str], tables: list[AnyArray]) -> list[Recording]:
+    return [_make_recording(path, {}, tables, Loss())[0]] if tables else []
 
 
-def _read(path: str | os.PathLike[str]) -> bytes:
+def _read_bytes(path: str | os.PathLike[str]) -> bytes:
     try:
         size = os.path.getsize(path)
         if size > MAX_BYTES:
@@ -356,18 +356,18 @@ def _read(path: str | os.PathLike[str]) -> bytes:
     return data
 
 
-def _block(kind: bytes, content: bytes) -> bytes:
+def _make_block(kind: bytes, content: bytes) -> bytes:
     crc = zlib.crc32(content, zlib.crc32(kind + len(content).to_bytes(4, "little")))
     return BLOCK.pack(kind, len(content), crc) + content
 
 
-def _blocks(data: bytes) -> Iterator[tuple[bytes, bytes, int]]:
+def _split_blocks(data: bytes) -> Iterator[tuple[bytes, bytes, int]]:
     """Yield kind, content and end of all blocks up to the first that is damaged."""
     at = len(MAGIC)
     while at + BLOCK.size <= len(data):
         kind, length, _ = BLOCK.unpack_from(data, at)
         content = data[at + BLOCK.size : at + BLOCK.size + length]
-        if _block(kind, content) != data[at : at + BLOCK.size + length]:
+        if _make_block(kind, content) != data[at : at + BLOCK.size + length]:
             return
         at += BLOCK.size + length
         yield kind, content, at
@@ -375,14 +375,14 @@ def _blocks(data: bytes) -> Iterator[tuple[bytes, bytes, int]]:
             return
 
 
-def _header(content: bytes) -> object:
+def _parse_json(content: bytes) -> object:
     try:
         return json.loads(content)
     except (ValueError, RecursionError):
         return None
 
 
-def _loss(size: int, at: int, closed: bool) -> Loss:
+def _describe_loss(size: int, at: int, closed: bool) -> Loss:
     if at < size:
         most = (size - at) // SAMPLE.itemsize
         reason = Message(
@@ -397,7 +397,7 @@ def _loss(size: int, at: int, closed: bool) -> Loss:
     return Loss()
 
 
-def _recording(
+def _make_recording(
     path: str | os.PathLike[str], header: dict[str, Any], tables: list[AnyArray], loss: Loss
 ) -> tuple[Recording, Loss]:
     """Return the samples up to the first that no recording could have."""

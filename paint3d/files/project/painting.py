@@ -1,4 +1,4 @@
-"""A painting as the writers take it: plain arrays, checked, in the file's unit and axes."""
+"""A painting for the writers: plain arrays, checked, in the file's unit and axes."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ __all__ = [
     "Untextured",
     "look_of",
     "read_painting",
-    "tell_clipped",
+    "warn_of_clipping",
 ]
 
 # ---- In another light ----------------------------------------------------------------------------
@@ -51,7 +51,7 @@ _OWN_LIGHT = Viewing()
 
 
 class InLight:
-    """What can be exported, with the colours that it has when it is looked at so.
+    """A surface to export, with the colours that it has in another light.
 
     Parameters
     ----------
@@ -83,24 +83,26 @@ class InLight:
 
     @property
     def wet_look(self) -> WetLook | None:
-        """The surface's own."""
+        """Wet look of the surface."""
         return look_of(self._surface, None)
 
     def look_on(self, roughness: float) -> WetLook | None:
-        """The surface's own."""
+        """Wet look of the surface on a material so rough."""
         return look_of(self._surface, roughness)
 
     @property
     def paint_mesh(self) -> Any:
-        """The surface's own, of one that has a wet look."""
+        """Mesh of the surface, of one that has a wet look."""
         return self._surface.paint_mesh
 
     def export_ids(
         self, tolerance: float | None, srgb: NDArray[np.uint8], progress: Progress | None = None
     ) -> tuple[AnyArray, AnyArray]:
-        """The surface's own, of one that has a wet look."""
-        found: tuple[AnyArray, AnyArray] = self._surface.export_ids(tolerance, srgb, progress)
-        return found
+        """Vertices and faces to export of the surface, of one that has a wet look."""
+        ids_and_faces: tuple[AnyArray, AnyArray] = self._surface.export_ids(
+            tolerance, srgb, progress
+        )
+        return ids_and_faces
 
     def export_arrays(
         self,
@@ -108,26 +110,26 @@ class InLight:
         srgb: NDArray[np.uint8] | None = None,
         progress: Progress | None = None,
     ) -> tuple[AnyArray, AnyArray, AnyArray, AnyArray]:
-        """As the surface's own, with these colours."""
+        """Arrays of the surface, with these colours."""
         codes = self.srgb if srgb is None else srgb
         arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray]
-        told = {} if progress is None else {"progress": progress}
-        arrays = self._surface.export_arrays(tolerance, codes, **told)
+        options = {} if progress is None else {"progress": progress}
+        arrays = self._surface.export_arrays(tolerance, codes, **options)
         return arrays
 
     def detail_arrays(self) -> tuple[AnyArray, ...]:
-        """As the surface's own, with these colours."""
+        """Detail arrays of the surface, with these colours."""
         return *self._surface.detail_arrays()[:-1], self.srgb
 
 
 def look_of(surface: Any, roughness: float | None) -> WetLook | None:
-    """How wet what can be exported looks, on its own material or one so rough; None: as that."""
-    found: WetLook | None
+    """Wet look of a surface to export, on its own material or one so rough; None: dry."""
+    look: WetLook | None
     if roughness is None:
-        found = getattr(surface, "wet_look", None)
+        look = getattr(surface, "wet_look", None)
     else:
-        found = getattr(surface, "look_on", lambda _: None)(roughness)
-    return found
+        look = getattr(surface, "look_on", lambda _: None)(roughness)
+    return look
 
 
 def codes_in_light(surface: Any, viewing: Viewing) -> Codes:
@@ -145,10 +147,10 @@ def codes_in_light(surface: Any, viewing: Viewing) -> Codes:
 _FEW_CLIPPED = 0.1  # of the painted vertices, in the painting's own light
 
 
-def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
+def warn_of_clipping(surface: Any, viewing: Viewing | None) -> int:
     """Warn of colours that a gamut does not hold, where they are no few; return how many.
 
-    A seal or a blossom on a painting in black is nothing to be told.
+    A seal or a blossom on a painting in black is nothing to report.
     """
     if isinstance(surface, InLight):
         n_clipped, n = surface.seen.n_clipped, len(surface.srgb)
@@ -156,8 +158,8 @@ def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
         ids = np.flatnonzero(surface.painted).astype(np.int32)
         if not may_leave_srgb(surface.pigments):
             return 0
-        found = _OWN_LIGHT.codes_of(len(ids), lambda some: surface.spectra(ids[some]))
-        n_clipped, n = found.n_clipped, surface.n_vertices
+        codes = _OWN_LIGHT.codes_of(len(ids), lambda some: surface.spectra(ids[some]))
+        n_clipped, n = codes.n_clipped, surface.n_vertices
         if n_clipped < _FEW_CLIPPED * len(ids):
             return n_clipped
     else:
@@ -173,7 +175,7 @@ def tell_clipped(surface: Any, viewing: Viewing | None) -> int:
 
 
 def may_leave_srgb(pigments: Any) -> bool:
-    """Whether any pigment is there that has a colour: black and water leave no gamut."""
+    """Return whether any pigment has a colour: black and water leave no gamut."""
     return any(np.ptp(p.K) > 0.0 or np.ptp(p.S) > 0.0 for p in pigments)
 
 
@@ -184,7 +186,7 @@ UNIT_LENGTH = 1e-6  # a normal nearer to length 1 than this is left as it is
 
 
 class Exportable(Protocol):
-    """What can be exported: a PaintedSurface, or anything with its arrays and material."""
+    """Interface of what can be exported: PaintedSurface, or anything with its arrays."""
 
     @property
     def material(self) -> object:
@@ -216,7 +218,7 @@ class Exportable(Protocol):
         srgb : (V, 3) uint8, optional
             Codes to export instead of the painting's own.
         progress : callable, optional
-            Called with the share done, now and then; what it raises stops it.
+            Called with the fraction done, now and then; what it raises stops it.
         """
         ...
 
@@ -254,7 +256,7 @@ class Painting(NamedTuple):
         """(V, 3) codes, darker where it is wet."""
         return self.srgb if self.look is None else self.look.seen(self.srgb)
 
-    def placed(self, unit: str, up_axis: str) -> Painting:
+    def converted(self, unit: str, up_axis: str) -> Painting:
         """Return the painting in another unit, with another axis up; it is in mm with z up."""
         vertices, normals, steps = self.vertices, self.normals, None
         if up_axis == "y":  # a turn by -90 degrees about x
@@ -268,7 +270,7 @@ class Painting(NamedTuple):
 
 
 class PlainSurface:
-    """A mesh with the colours that it came with, as something to export; white without colours."""
+    """An unpainted mesh with its own colours, as something to export; white without colours."""
 
     def __init__(self, mesh: TriangleMesh) -> None:
         self.mesh = mesh
@@ -327,11 +329,11 @@ class Untextured(NamedTuple):
         """Return the painting with its texture; on a large object this takes long."""
         pictures, look = [self.detail[-1]], self.look
         if look is not None:
-            shares = np.stack([look.film, look.gloss, look.hidden], axis=1)
-            pictures = [look.seen(pictures[0]), np.rint(255.0 * shares).astype(np.uint8)]
+            fractions = np.stack([look.film, look.gloss, look.hidden], axis=1)
+            pictures = [look.seen(pictures[0]), np.rint(255.0 * fractions).astype(np.uint8)]
         mesh, images = bake_detail((*self.detail[:-1], *pictures), self.size)
         white = np.full((len(mesh.vertices), 3), 255, np.uint8)
-        painting = _checked((mesh.vertices, mesh.faces, mesh.normals, white), self.material)
+        painting = _check_arrays((mesh.vertices, mesh.faces, mesh.normals, white), self.material)
         texture = Texture(mesh.uv, images[0])
         if look is not None:
             film, gloss, hidden = np.moveaxis(images[1], 2, 0).astype(np.float32) / np.float32(
@@ -348,9 +350,9 @@ def read_painting(
     progress: Progress | None = None,
     roughness: float | None = None,
 ) -> Painting | Untextured:
-    """Return what is to be written of a surface, checked; it may be painted on afterwards.
+    """Read a surface's arrays for writing, checked; it may be painted on afterwards.
 
-    `progress` is told the share done; what it raises stops it. `roughness` is that of a material
+    `progress` is given the fraction done; what it raises stops it. `roughness` is of a material
     that it is to be shown on instead of its own.
 
     Raises
@@ -364,15 +366,15 @@ def read_painting(
     viewing = options.viewing
     if viewing is not None and not viewing.is_plain:
         surface = InLight(surface, viewing)
-    n_clipped = tell_clipped(surface, viewing)
-    painting = _read(surface, options, progress, roughness)
+    n_clipped = warn_of_clipping(surface, viewing)
+    painting = _read_surface(surface, options, progress, roughness)
     if isinstance(painting, Painting):
         gamut = options.gamut or "srgb"
         return painting._replace(gamut=gamut, n_clipped=n_clipped, is_sheet=is_sheet)
     return painting._replace(n_clipped=n_clipped)
 
 
-def _read(
+def _read_surface(
     surface: Exportable,
     options: ExportOptions,
     progress: Progress | None,
@@ -383,20 +385,20 @@ def _read(
     if options.texture:
         size = None if options.texture is True else int(options.texture)
         look = look_of(surface, roughness)
-        return Untextured(_detail_of(surface), size, material, finish, look=look)
+        return Untextured(_copy_detail(surface), size, material, finish, look=look)
     if options.filaments is None:
         tolerance = None if options.exact else options.tolerance
         look = look_of(surface, roughness)
         if look is not None or (isinstance(surface, PaintedSurface) and surface.painted.any()):
             return _read_painted(surface, look, tolerance, progress)
-        arrays = surface.export_arrays(tolerance, **_told(progress))
-        return _checked(arrays, material)._replace(finish=finish)
+        arrays = surface.export_arrays(tolerance, **_progress_option(progress))
+        return _check_arrays(arrays, material)._replace(finish=finish)
     filaments = choose_filaments(surface.srgb, surface.vertex_areas, options.filaments)
     codes = filaments.palette[filaments.chosen]
-    told = _told(part_of(progress, 0.3, 1.0))
-    arrays = surface.export_arrays(None if options.exact else 0.0, codes, **told)
-    painting = _checked(arrays, material)._replace(finish=finish)
-    return _in_filaments(painting, filaments.palette)
+    reporting = _progress_option(part_of(progress, 0.3, 1.0))
+    arrays = surface.export_arrays(None if options.exact else 0.0, codes, **reporting)
+    painting = _check_arrays(arrays, material)._replace(finish=finish)
+    return _reduce_to_filaments(painting, filaments.palette)
 
 
 def _read_painted(
@@ -407,13 +409,13 @@ def _read_painted(
     ids, faces = surface.export_ids(
         tolerance, codes if look is None else look.seen(codes), progress
     )
-    painting = _checked(
+    painting = _check_arrays(
         (mesh.vertices[ids], faces, mesh.normals[ids], codes[ids]), surface.material.name
     )
     edges = None
     if isinstance(surface, PaintedSurface):  # else in another light, in which nothing is bare
-        shares = edge_shares(mesh.leaf_faces(), surface.share_codes())
-        edges = Edges(surface.bare_codes[ids], shares[ids])
+        fractions = edge_shares(mesh.leaf_faces(), surface.share_codes())
+        edges = Edges(surface.bare_codes[ids], fractions[ids])
     look = None if look is None else look.at(ids)
     return painting._replace(finish=_finish_of(surface.material), look=look, edges=edges)
 
@@ -425,8 +427,8 @@ def _finish_of(material: object) -> tuple[float, float] | None:
     return roughness, coat
 
 
-def _detail_of(surface: Exportable) -> Detail:
-    """Copies of what a texture is baked from.
+def _copy_detail(surface: Exportable) -> Detail:
+    """Copies of the arrays that a texture is baked from.
 
     Raises
     ------
@@ -443,12 +445,12 @@ def _detail_of(surface: Exportable) -> Detail:
     return cast("Detail", tuple(np.array(array) for array in arrays()))
 
 
-def _told(progress: Progress | None) -> dict[str, Any]:
-    """What `export_arrays` is given besides; a surface need not know of progress."""
+def _progress_option(progress: Progress | None) -> dict[str, Any]:
+    """Keyword argument for `export_arrays`; a surface need not know of progress."""
     return {} if progress is None else {"progress": progress}
 
 
-def _in_filaments(painting: Painting, palette: NDArray[np.uint8]) -> Painting:
+def _reduce_to_filaments(painting: Painting, palette: NDArray[np.uint8]) -> Painting:
     """Return a painting whose codes are of the palette, with one filament a triangle."""
     weights = np.array([65536, 256, 1])
     packed, order = palette @ weights, np.argsort(palette @ weights, kind="stable")
@@ -465,7 +467,7 @@ def _in_filaments(painting: Painting, palette: NDArray[np.uint8]) -> Painting:
     )
 
 
-def _checked(arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray], material: str) -> Painting:
+def _check_arrays(arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray], material: str) -> Painting:
     vertices = as_array(arrays[0], "vertices", (None, 3), np.float32, MeshError)
     faces = as_array(arrays[1], "faces", (None, 3), np.int32, MeshError)
     shape = (len(vertices), 3)
@@ -485,16 +487,8 @@ def _checked(arrays: tuple[AnyArray, AnyArray, AnyArray, AnyArray], material: st
             farthest=farthest,
             most=MAX_COORDINATE_MM,
         )
-    return Painting(
-        vertices,
-        faces,
-        _unit(as_array(arrays[2], "normals", shape, np.float32, MeshError)),
-        _codes(arrays[3], shape),
-        material,
-    )
-
-
-def _codes(srgb: AnyArray, shape: tuple[int, int]) -> NDArray[np.uint8]:
+    normals = _normalise(as_array(arrays[2], "normals", shape, np.float32, MeshError))
+    srgb = arrays[3]
     srgb = np.ascontiguousarray(srgb)
     if srgb.dtype != np.uint8 or srgb.shape != shape:
         raise MeshError(
@@ -503,10 +497,10 @@ def _codes(srgb: AnyArray, shape: tuple[int, int]) -> NDArray[np.uint8]:
             srgb_shape=srgb.shape,
             shape=shape,
         )
-    return srgb
+    return Painting(vertices, faces, normals, srgb, material)
 
 
-def _unit(normals: NDArray[np.float32]) -> NDArray[np.float32]:
+def _normalise(normals: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return normals of length 1; vertices without one, which no face uses, point up."""
     length = np.sqrt(np.einsum("ij,ij->i", normals, normals, dtype=np.float64))
     off = np.flatnonzero(np.abs(length - 1.0) > UNIT_LENGTH)

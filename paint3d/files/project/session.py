@@ -1,4 +1,4 @@
-"""Sessions (.p3d): a painting as it stands, to go on with, in one file.
+"""Sessions (.p3d): a painting in one file, with all that is needed to go on.
 
 An archive (`array_archive`) with the object, the surface's state, the recordings it came from and
 the settings. What each part holds, version by version, is in docs/sessions.md.
@@ -44,11 +44,11 @@ SAMPLES = (
     "time_ns", "position", "orientation", "pressure", "buttons",
     "object_position", "object_orientation", "contact",
 )  # fmt: skip
-_MAY_LACK = {"pressure": (), "contact": (3,)}  # and the shape of one that does
+_OPTIONAL = {"pressure": (), "contact": (3,)}  # and the shape of one that does
 
 Parts = tuple[dict[str, Any], dict[str, AnyArray]]
 UPGRADES: dict[int, Callable[[Parts], Parts]] = {
-    1: lambda parts: ({**parts[0], "strokes": []}, {**parts[1], **_packed(())}),
+    1: lambda parts: ({**parts[0], "strokes": []}, {**parts[1], **_pack_strokes(())}),
 }
 """For each old version the step to the next one; `load_session` takes them in turn."""
 
@@ -91,7 +91,7 @@ class Session:
 
 
 def is_session_path(path: str | os.PathLike[str]) -> bool:
-    """Whether a file's name is that of a session."""
+    """Return whether a file's name is that of a session."""
     return os.fspath(path).lower().endswith(SESSION_SUFFIX)
 
 
@@ -107,7 +107,7 @@ def save_session(
     session : Session
     path : path-like
     progress : callable, optional
-        Called with the share done, and with 1 before the file takes its place; what it raises
+        Called with the fraction done, and with 1 before the file takes its place; what it raises
         leaves everything as it was.
 
     Raises
@@ -125,7 +125,7 @@ def save_session(
     0
     """
     path = Path(path)
-    text, arrays = _parts(session)
+    text, arrays = _make_parts(session)
     with write_atomically(path, progress) as temporary:
         try:
             write_archive(temporary, text, arrays, part_of(progress, 0.2, 0.95))
@@ -135,26 +135,26 @@ def save_session(
             ) from None
 
 
-def _parts(session: Session) -> Parts:
+def _make_parts(session: Session) -> Parts:
     mesh = session.surface.source
     arrays = {f"mesh/{name}": getattr(mesh, name) for name in MESH}
     state, own = split_state(surface_state(session.surface), "surface/")
     arrays |= own
     for k, recording in enumerate(session.recordings):
         arrays |= {f"recordings/{k}/{name}": getattr(recording, name) for name in SAMPLES}
-    arrays |= _packed(session.strokes)
+    arrays |= _pack_strokes(session.strokes)
     more: dict[str, object] = {}
     if session.history is not None:
         more["history"], own = split_state(session.history, "history/")
-        more["undone"] = [_own_words(recording.header) for recording in session.undone]
-        arrays |= own | _packed(session.undone, "undone/")
+        more["undone"] = [_distinct_words(recording.header) for recording in session.undone]
+        arrays |= own | _pack_strokes(session.undone, "undone/")
     for name, score in (("score", session.score), ("later", session.later)):
         if score is None:
             continue
         samples = [event for event in score.events if isinstance(event, Recording)]
         lines = [None if isinstance(event, Recording) else dict(event) for event in score.events]
         more[name] = {"header": dict(score.header), "events": lines}
-        arrays |= _packed(samples, f"{name}/")
+        arrays |= _pack_strokes(samples, f"{name}/")
     text = {
         "format": FORMAT,
         "version": VERSION,
@@ -162,33 +162,33 @@ def _parts(session: Session) -> Parts:
         "surface": state,
         "recordings": [dict(recording.header) for recording in session.recordings],
         "settings": dict(session.settings),
-        "strokes": [_own_words(recording.header) for recording in session.strokes],
+        "strokes": [_distinct_words(recording.header) for recording in session.strokes],
         **more,
     }
     return text, {name: array for name, array in arrays.items() if array is not None}
 
 
-def _packed(strokes: Sequence[Recording], prefix: str = "strokes/") -> dict[str, AnyArray]:
+def _pack_strokes(strokes: Sequence[Recording], prefix: str = "strokes/") -> dict[str, AnyArray]:
     """All strokes in one column each: an archive has no room for an entry a stroke."""
     arrays = {f"{prefix}starts": starts_of([len(s) for s in strokes])}
     for name in SAMPLES if strokes else ():
         columns = [getattr(s, name) for s in strokes]
-        if name in _MAY_LACK:
+        if name in _OPTIONAL:
             columns = [
-                np.full((len(s), *_MAY_LACK[name]), np.nan) if column is None else column
+                np.full((len(s), *_OPTIONAL[name]), np.nan) if column is None else column
                 for s, column in zip(strokes, columns, strict=True)
             ]
         arrays[f"{prefix}{name}"] = np.concatenate(columns)
     return arrays
 
 
-def _own_words(header: Mapping[str, object]) -> dict[str, object]:
-    """A header without what every header says."""
+def _distinct_words(header: Mapping[str, object]) -> dict[str, object]:
+    """A header without the entries that are the same in every header."""
     common = checked_header({})
     return {k: v for k, v in header.items() if k not in common or v != common[k]}
 
 
-def _strokes(
+def _unpack_strokes(
     headers: Sequence[Mapping[str, Any]], arrays: dict[str, AnyArray], prefix: str = "strokes/"
 ) -> tuple[Recording, ...]:
     n = len(arrays[f"{prefix}time_ns"]) if len(headers) else 0
@@ -212,7 +212,7 @@ def load_session(path: str | os.PathLike[str], progress: Progress | None = None)
     ----------
     path : path-like
     progress : callable, optional
-        Called with the share done, now and then; what it raises stops it.
+        Called with the fraction done, now and then; what it raises stops it.
 
     Raises
     ------
@@ -221,7 +221,7 @@ def load_session(path: str | os.PathLike[str], progress: Progress | None = None)
     """
     path = Path(path)
     try:
-        return _session(_upgraded(read_archive(path, part_of(progress, 0.0, 0.3))), progress)
+        return _make_session(_upgrade(read_archive(path, part_of(progress, 0.0, 0.3))), progress)
     except SessionError as cause:
         raise SessionError("{file}: {cause}", file=path, cause=cause) from None
     except Paint3DError as cause:
@@ -234,7 +234,7 @@ def load_session(path: str | os.PathLike[str], progress: Progress | None = None)
         raise SessionError("{file}: it does not fit into memory", file=path) from None
 
 
-def _upgraded(parts: Parts) -> Parts:
+def _upgrade(parts: Parts) -> Parts:
     text = parts[0]
     version = text.get("version")
     if text.get("format") != FORMAT or type(version) is not int or version < 1:
@@ -254,7 +254,7 @@ def _upgraded(parts: Parts) -> Parts:
     return parts
 
 
-def _session(parts: Parts, progress: Progress | None = None) -> Session:
+def _make_session(parts: Parts, progress: Progress | None = None) -> Session:
     text, arrays = parts
     mesh = TriangleMesh(
         arrays["mesh/vertices"],
@@ -276,13 +276,15 @@ def _session(parts: Parts, progress: Progress | None = None) -> Session:
         columns = {name: arrays.get(f"recordings/{k}/{name}") for name in SAMPLES}
         recordings.append(Recording(**columns, header=dict(header)))
     state = join_state(text["surface"], arrays, "surface/")
-    strokes, history = _strokes(text["strokes"], arrays), None
+    strokes, history = _unpack_strokes(text["strokes"], arrays), None
     undone: tuple[Recording, ...] = ()
     if isinstance(text.get("history"), Mapping):
-        undone = _strokes(text["undone"], arrays, "undone/")
+        undone = _unpack_strokes(text["undone"], arrays, "undone/")
         history = join_state(text["history"], arrays, "history/")
     score, later = (
-        _score(text[name], arrays, f"{name}/") if isinstance(text.get(name), Mapping) else None
+        _unpack_score(text[name], arrays, f"{name}/")
+        if isinstance(text.get(name), Mapping)
+        else None
         for name in ("score", "later")
     )
     surface = restore_surface(mesh, state, part_of(progress, 0.35, 0.9))
@@ -291,9 +293,9 @@ def _session(parts: Parts, progress: Progress | None = None) -> Session:
     )
 
 
-def _score(words: Mapping[str, Any], arrays: dict[str, AnyArray], prefix: str) -> Score:
-    """All that happened: lines in order, and what samples come where there is none."""
+def _unpack_score(words: Mapping[str, Any], arrays: dict[str, AnyArray], prefix: str) -> Score:
+    """The score: lines in order, and the samples between them."""
     lines = list(words["events"])
-    samples = iter(_strokes([{}] * lines.count(None), arrays, prefix))
+    samples = iter(_unpack_strokes([{}] * lines.count(None), arrays, prefix))
     events = [next(samples) if line is None else dict(line) for line in lines]
     return Score(dict(words["header"]), tuple(events))

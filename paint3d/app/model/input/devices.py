@@ -1,4 +1,4 @@
-"""What both hands hold: which devices are there, how they do, and what their buttons ask for."""
+"""Devices of both hands: which are there, their state, and the commands of their buttons."""
 
 from __future__ import annotations
 
@@ -35,7 +35,6 @@ from paint3d.pose.steering import ObjectPose, apply_action
 from paint3d.pose.two_hands import TwoHands
 
 __all__ = [
-    "DOCUMENT_COMMANDS",
     "DeviceHub",
     "DeviceView",
     "Feeling",
@@ -48,18 +47,18 @@ __all__ = [
     "went_down",
 ]
 
-DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "redo"}
+_DOCUMENT_COMMANDS: Mapping[str, str] = {"dip": "dip", "undo": "undo", "redo": "redo"}
 """Actions of buttons that are commands of a `Document`; the others steer the object."""
 
 _SETTLE_NS = 10_000_000  # how long a device may be late before its readings are merged
-_REMEMBERED = 400  # readings that the rate is found from
+_REMEMBERED = 400  # readings that the rate is computed from
 _LEFT = ("mouse",)
 
 log = logging.getLogger("paint3d")
 
 
 class Devices(Protocol):
-    """What `device.hot_plug.PluggedDevices` offers."""
+    """Interface of `device.hot_plug.PluggedDevices`."""
 
     failures: dict[str, DeviceError]
 
@@ -119,7 +118,7 @@ class NoDevices:
 
 
 class Feedback(Protocol):
-    """What `haptics.servo.ForceFeedback` offers."""
+    """Interface of `haptics.servo.ForceFeedback`."""
 
     last_force: AnyArray
     settings: HapticSettings
@@ -128,16 +127,16 @@ class Feedback(Protocol):
         """Readings of the haptic stylus since the last call."""
 
     def publish(self, object_pose: AnyArray | None = None) -> None:
-        """Tell where the object is, (7,), and that the program is alive."""
+        """Give the servo the object's pose, (7,), and show that the program is alive."""
 
     def click(self) -> None:
-        """Let a click be felt."""
+        """Play a click."""
 
     def is_running(self) -> bool:
-        """Whether the servo runs; the device of one that was killed is asked to stop."""
+        """Return whether the servo runs; the device of one that was killed is asked to stop."""
 
     def status(self) -> ServoStatus:
-        """How it does, and why it failed."""
+        """State of the servo, and why it failed."""
 
     def stop(self) -> None:
         """Stop the servo."""
@@ -145,7 +144,7 @@ class Feedback(Protocol):
 
 @dataclass(frozen=True)
 class DeviceView:
-    """One device, for showing it.
+    """A device as it is listed.
 
     Attributes
     ----------
@@ -166,7 +165,7 @@ class DeviceView:
 
 @dataclass(frozen=True, eq=False)
 class HandInput:
-    """What the hands did since the last time.
+    """Samples and commands of the hands since the last call.
 
     Attributes
     ----------
@@ -186,8 +185,8 @@ class HandInput:
     failures: tuple[DeviceError, ...] = ()
 
 
-def went_down(button: int, before: int | None, held: list[int]) -> tuple[bool, int | None]:
-    """Whether a button of a stylus went down, and which are held now.
+def went_down(button: int, before: int | None, buttons: list[int]) -> tuple[bool, int | None]:
+    """Return whether a button of a stylus went down, and which are held now.
 
     Parameters
     ----------
@@ -195,10 +194,10 @@ def went_down(button: int, before: int | None, held: list[int]) -> tuple[bool, i
         Its bit.
     before : int or None
         Held until now; None where that is not known, and then what is held first went down before.
-    held : list of int
-        By reading.
+    buttons : list of int
+        Held by reading.
     """
-    known = held if before is None else [before, *held]
+    known = buttons if before is None else [before, *buttons]
     down = any(now & ~then & button for then, now in pairwise(known))
     return down, known[-1] if known else None
 
@@ -250,31 +249,35 @@ class DeviceHub:
         self._force = 0.0
 
     def views(self) -> list[DeviceView]:
-        """What is there: the open devices first, then those that could not be opened."""
-        found = [
+        """All devices: the open ones first, then those that could not be opened."""
+        views = [
             DeviceView(node.name, node.kind, "left" if node.kind in _LEFT else "right", True)
             for node in self._plugged.nodes()
         ]
         if self._feedback is not None:
-            found.append(DeviceView(self._stylus_name, "stylus", "right", True))
+            views.append(DeviceView(self._stylus_name, "stylus", "right", True))
         failures = dict(self._plugged.failures)
-        return found + [DeviceView(path, "", "", False, why) for path, why in failures.items()]
+        return views + [DeviceView(path, "", "", False, why) for path, why in failures.items()]
 
     def set_mouse(self, settings: MouseSettings) -> None:
-        """Read the 6-DOF mouse so from now on."""
+        """Set how the 6-DOF mouse is read from now on."""
         self.hands.steering = settings.steering()
         self._plugged.read_caps(settings.deflection())
 
     def set_actions(self, actions: Mapping[int, str]) -> None:
-        """Let the 6-DOF mouse's buttons do this; see `device.button_actions`."""
+        """Assign actions to the 6-DOF mouse's buttons; see `device.button_actions`."""
         self._actions = checked_actions(actions)
 
     def take(self) -> HandInput:
-        """Take what the devices said, and do what the buttons ask of the object."""
+        """Take what the devices sent, and do what their buttons ask of the object."""
         events, readings = self._plugged.take_mouse(), self._plugged.take_stylus()
         if self._feedback is not None:
             readings = sorted([*readings, *self._feedback.take()], key=lambda one: one.time_ns)
-            self._let_go_of_what_ended(self._feedback)
+            if not self._feedback.is_running():
+                self.ended = self._feedback.status().fault or Message("its process stopped")
+                log.warning("force feedback has ended: %s", self.ended)
+                self._feedback.stop()
+                self._feedback, self._force = None, 0.0
         commands: list[str] = []
         failures: list[DeviceError] = []
         samples: list[DeviceSample] = []
@@ -284,44 +287,28 @@ class DeviceHub:
             for action in find_actions(self._buttons, event.buttons, self._actions):
                 samples += self.hands.take(event.time_ns)  # what was before it
                 try:
-                    commands += self._act(action)
+                    commands += self._run_action(action)
                 except DeviceError as failure:
                     failures.append(failure)
             self._buttons = event.buttons
-        self._click(commands, readings)
-        self._reading_times["left"].extend(event.time_ns for event in events)
-        self._reading_times["right"].extend(reading.time_ns for reading in readings)
-        self._feel(readings)
-        samples += self.hands.take(self._clock() - _SETTLE_NS)
-        return HandInput(samples, commands, self.hands.object_pose, tuple(failures))
-
-    def _click(self, commands: list[str], readings: list[StylusReading]) -> None:
-        """Let a dip be felt, whichever hand's button asked for it."""
         by_stylus, self._held = went_down(DIP, self._held, [one.buttons for one in readings])
         if self._feedback is not None and (by_stylus or "dip" in commands):
             self._feedback.click()
-
-    def _let_go_of_what_ended(self, feedback: Feedback) -> None:
-        """Have a device rest whose servo was killed: it would push on with its last force."""
-        if not feedback.is_running():
-            self.ended = feedback.status().fault or Message("its process stopped")
-            log.warning("force feedback has ended: %s", self.ended)
-            feedback.stop()
-            self._feedback, self._force = None, 0.0
-
-    def _feel(self, readings: list[StylusReading]) -> None:
-        """Note the force, and give the servo the object's pose."""
+        self._reading_times["left"].extend(event.time_ns for event in events)
+        self._reading_times["right"].extend(reading.time_ns for reading in readings)
         if self._feedback is not None:
             self._force = float(np.linalg.norm(self._feedback.last_force))
             pose = self.hands.object_pose
             self._feedback.publish(np.concatenate([pose.position, pose.orientation]))
         elif readings:
             self._force = MAX_FORCE_N * (readings[-1].pressure or 0.0)
+        samples += self.hands.take(self._clock() - _SETTLE_NS)
+        return HandInput(samples, commands, self.hands.object_pose, tuple(failures))
 
-    def _act(self, action: str) -> list[str]:
+    def _run_action(self, action: str) -> list[str]:
         """Do what concerns the object; what concerns the document."""
-        if action in DOCUMENT_COMMANDS:
-            return [DOCUMENT_COMMANDS[action]]
+        if action in _DOCUMENT_COMMANDS:
+            return [_DOCUMENT_COMMANDS[action]]
         if action == "recentre":
             self.hands.set_object_pose(ObjectPose())
         elif action == "calibrate_rest":
@@ -337,7 +324,7 @@ class DeviceHub:
         return self._force
 
     def rate_hz(self, hand: str) -> float:
-        """How often a hand's device reports, Hz; 0 where it does not."""
+        """Rate of reports of a hand's device, Hz; 0 where there are none."""
         return find_report_rate(np.array(self._reading_times[hand], np.int64)).rate_hz
 
     def lateness_ms(self, hand: str) -> float:
@@ -347,7 +334,7 @@ class DeviceHub:
         return float(late) if np.isfinite(late) else 0.0
 
     def lost(self) -> int:
-        """Reports of styli that never came."""
+        """Number of reports of styli that never came."""
         return sum(stylus.lost for stylus in self._plugged.styli())
 
     def stop(self) -> None:
@@ -361,7 +348,7 @@ _HANDS = ("left", "right")
 
 
 class StrokeCutter:
-    """Cuts the stream of a hand into strokes: from before it touches until it has left.
+    """Splits the stream of a hand into strokes: from before it touches until it has left.
 
     Parameters
     ----------
@@ -377,29 +364,29 @@ class StrokeCutter:
 
     @property
     def is_down(self) -> bool:
-        """Whether a stroke is going on."""
+        """True if a stroke is going on."""
         return self._down
 
     def cut(self, samples: Iterable[DeviceSample]) -> list[str | list[DeviceSample]]:
-        """The samples that belong to strokes, with "begin_stroke" and "end_stroke" between."""
-        found: list[str | list[DeviceSample]] = []
+        """Split samples into strokes, with "begin_stroke" and "end_stroke" between them."""
+        parts: list[str | list[DeviceSample]] = []
         for sample in samples:
             down = self._touches(sample)
             if down and not self._down:
-                found.append("begin_stroke")
-                found.append([] if self._before is None else [self._before])
+                parts.append("begin_stroke")
+                parts.append([] if self._before is None else [self._before])
             if down or self._down:
-                if found and isinstance(found[-1], list):
-                    found[-1].append(sample)
+                if parts and isinstance(parts[-1], list):
+                    parts[-1].append(sample)
                 else:
-                    found.append([sample])
+                    parts.append([sample])
             if self._down and not down:
-                found.append("end_stroke")
+                parts.append("end_stroke")
             self._down, self._before = down, sample
-        return [part for part in found if part]
+        return [part for part in parts if part]
 
     def end(self) -> bool:
-        """Leave, whatever the hand does: it is not heard any more. Whether a stroke went on."""
+        """Stop listening to the hand; return whether a stroke was going on."""
         was_down, self._down, self._before = self._down, False, None
         return was_down
 
@@ -409,7 +396,7 @@ class StrokeCutter:
 
 
 def plug_in_mice(settings: MouseSettings | None = None) -> PluggedDevices | None:
-    """The 6-DOF mice that are there or come; None where HID devices cannot be read.
+    """Open the 6-DOF mice that are there or come; None where HID devices cannot be read.
 
     A pen is left to the window system, whose events say where it is in the picture, although its
     node may be opened: read here as well it would be a second brush, at the pad's place in the
@@ -423,7 +410,7 @@ def plug_in_mice(settings: MouseSettings | None = None) -> PluggedDevices | None
 
 
 def plug_in_pens() -> PluggedDevices | None:
-    """The pads whose pens can be read, to calibrate one; None where HID devices cannot be read."""
+    """Open the pads whose pens can be read, to calibrate one; None without HID devices."""
     try:
         return PluggedDevices(find=lambda: list_nodes(("pen",)))
     except (Paint3DError, ImportError, OSError):
@@ -452,7 +439,7 @@ class Feeling:
     _felt: tuple[BrushSpec, Feel, Material] | None = None
 
     def follow(self, brush: BrushSpec, feel: Feel, material: Material) -> None:
-        """Let the force be that of this brush, surface and choices from the next step on."""
+        """Set the force from this brush, surface and choices, from the next step on."""
         now, before = (brush, feel, material), self._felt
         if before is None or before[0] is not brush or before[1:] != now[1:]:
             self._felt = now
@@ -467,12 +454,12 @@ def start_feeling(document: Document, settings: Settings) -> Feeling | None:
     Paint3DError
         If the one that was chosen is not there, saying what is missing; or it does not start.
     """
-    found = find_stylus(settings.stylus)
-    if found is None:
+    stylus = find_stylus(settings.stylus)
+    if stylus is None:
         return None
     feel, brush = Feel.from_words(settings.feel), document.painter.brush
-    calibration = stored_calibration(found.key) or found.frame
+    calibration = stored_calibration(stylus.key) or stylus.frame
     surface = document.surface
-    felt = feel.settings(brush, found.limits, surface.material)
-    feedback = ForceFeedback(found.port, surface.contact_tree, felt, calibration)
-    return Feeling(feedback, found.name, found.key, found.limits, calibration)
+    felt = feel.settings(brush, stylus.limits, surface.material)
+    feedback = ForceFeedback(stylus.port, surface.contact_tree, felt, calibration)
+    return Feeling(feedback, stylus.name, stylus.key, stylus.limits, calibration)

@@ -30,7 +30,7 @@ _PULL, _LEARN = 0.1, 0.1  # how fast evened times follow the handing over, and i
 
 @dataclass
 class _Kind:
-    """What is known of one kind of device's times."""
+    """State of one kind of device's clock."""
 
     offset_ns: int  # of its stamps to the monotonic clock; untimed: of the handing over
     stamp_ms: int
@@ -55,7 +55,7 @@ class EventClock:
         self._last_ns: int | None = None
 
     def time_ns(self, kind: str, stamp_ms: int, handled_ns: int, painting: bool) -> int:
-        """When an event happened, ns of the monotonic clock.
+        """Return when an event happened, ns of the monotonic clock.
 
         Parameters
         ----------
@@ -72,21 +72,6 @@ class EventClock:
         if known is None:
             known = self._kinds[kind] = _Kind(_offset_ns(stamp_ms, handled_ns), stamp_ms - 1)
             known.handled_ns = handled_ns - _FIRST_PERIOD_NS
-        self._judge(kind, known, stamp_ms, handled_ns)
-        if known.untimed:
-            found = self._even_out(known, handled_ns, painting)
-        else:
-            found = self._map_stamp(known, stamp_ms, handled_ns, painting)
-            if not painting and self._last_ns is not None and found < self._last_ns - _MS:
-                known.offset_ns += self._last_ns + _TIE_NS - found
-        known.stamp_ms, known.handled_ns = stamp_ms, handled_ns
-        if self._last_ns is not None:
-            found = max(found, self._last_ns + _TIE_NS)
-        self._last_ns = found
-        return found
-
-    def _judge(self, kind: str, known: _Kind, stamp_ms: int, handled_ns: int) -> None:
-        """Find out whether a device has a clock."""
         known.n_same = known.n_same + 1 if stamp_ms == known.stamp_ms else 0
         if stamp_ms <= 0 or known.n_same >= _STUCK:
             if not known.untimed:
@@ -95,16 +80,27 @@ class EventClock:
         elif known.n_same == 0 and known.untimed and stamp_ms > known.stamp_ms > 0:
             known.untimed = False  # it has begun to
             known.offset_ns = _offset_ns(stamp_ms, handled_ns)
+        if known.untimed:
+            time_ns = self._even_out(known, handled_ns, painting)
+        else:
+            time_ns = self._map_stamp(known, stamp_ms, handled_ns, painting)
+            if not painting and self._last_ns is not None and time_ns < self._last_ns - _MS:
+                known.offset_ns += self._last_ns + _TIE_NS - time_ns
+        known.stamp_ms, known.handled_ns = stamp_ms, handled_ns
+        if self._last_ns is not None:
+            time_ns = max(time_ns, self._last_ns + _TIE_NS)
+        self._last_ns = time_ns
+        return time_ns
 
     def _map_stamp(self, known: _Kind, stamp_ms: int, handled_ns: int, painting: bool) -> int:
-        found = known.offset_ns + stamp_ms * _MS
-        astray = found > handled_ns + _AHEAD_NS or found < handled_ns - _LOST_NS
+        time_ns = known.offset_ns + stamp_ms * _MS
+        astray = time_ns > handled_ns + _AHEAD_NS or time_ns < handled_ns - _LOST_NS
         back = stamp_ms < known.stamp_ms
         later = self._last_ns is None or handled_ns > self._last_ns  # no stroke is squeezed by it
         if back or (astray and later and not painting):
             known.offset_ns = _offset_ns(stamp_ms, handled_ns)
             return known.offset_ns + stamp_ms * _MS
-        return found
+        return time_ns
 
     def _even_out(self, known: _Kind, handled_ns: int, painting: bool) -> int:
         if not painting:  # times that lead by more than evening out does are gone on with
@@ -121,7 +117,7 @@ class EventClock:
 
 
 def _offset_ns(stamp_ms: int, handled_ns: int) -> int:
-    """What makes an event's own time one of the monotonic clock, ns."""
+    """Offset from an event's own time to the monotonic clock, ns."""
     late_ms = (handled_ns // _MS - stamp_ms) % _WRAP_MS
     if late_ms < _NEAR_MS:
         return (handled_ns // _MS - late_ms - stamp_ms) * _MS

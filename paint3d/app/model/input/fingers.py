@@ -1,6 +1,6 @@
 """What fingers on the picture mean: one paints or turns, two move, roll and zoom, taps undo.
 
-Pure steps over places in pixels and times; nothing here has a clock or knows of a window.
+Pure steps over positions in pixels and times; nothing here has a clock or knows of a window.
 
 One finger waits until it has moved or stayed a moment, so that a second one that follows makes a
 gesture of both and leaves no dot. Up to a quarter of a second later the second one takes the stroke
@@ -21,12 +21,12 @@ _WAIT_NS = 120 * _MS  # until one finger alone is believed
 _TAKEN_BACK_NS = 250 * _MS  # within which a second finger takes back what the first began
 _TAP_NS = 350 * _MS
 
-Places = Mapping[int, tuple[float, float]]
+Positions = Mapping[int, tuple[float, float]]
 
 
 @dataclass(frozen=True)
 class Meaning:
-    """One thing that fingers ask for.
+    """A request that fingers make.
 
     Attributes
     ----------
@@ -73,50 +73,52 @@ class Fingers:
         self._moved = False
         self._last = (0.0, 0.0)
 
-    def follow(self, time_ns: int, places: Places) -> list[Meaning]:
-        """What the fingers mean that are down now.
+    def follow(self, time_ns: int, positions: Positions) -> list[Meaning]:
+        """Follow the fingers that are down now; return what they ask for.
 
         Parameters
         ----------
         time_ns : int
-        places : mapping of int to (float, float)
+        positions : mapping of int to (float, float)
             Pixels of every finger that is down, by its number; those that are missing have left.
         """
-        said: list[Meaning] = []
-        before, self._down = self._down, dict(places)
-        came = [number for number in places if number not in before]
+        meanings: list[Meaning] = []
+        before, self._down = self._down, dict(positions)
+        came = [number for number in positions if number not in before]
         if came and self._state == "none":
-            self._begin(time_ns, came[0])
-        self._most = max(self._most, len(places))
+            down = self._down
+            self._forget()
+            self._down, self._state = down, "waiting"
+            self._first, self._began = came[0], time_ns
+        self._most = max(self._most, len(positions))
         for number in came:
-            self._from[number] = places[number]
+            self._from[number] = positions[number]
         self._moved = self._moved or any(
-            math.dist(place, self._from[number]) > _STILL for number, place in places.items()
+            math.dist(position, self._from[number]) > _STILL
+            for number, position in positions.items()
         )
-        if len(places) > 1 and self._state in ("waiting", "one"):
-            said += self._join(time_ns)
+        if len(positions) > 1 and self._state in ("waiting", "one"):
+            meanings += self._join_finger(time_ns)
         if self._state in ("waiting", "one"):
-            said += self._follow_one(time_ns)
+            meanings += self._follow_one(time_ns)
         elif self._state == "several":
-            said += self._follow_several(time_ns, before, bool(came))
-        if not places:
-            said += self._end(time_ns)
-        return said
+            meanings += self._follow_several(time_ns, before, bool(came))
+        if not positions:
+            most, quick = self._most, time_ns - self._began <= _TAP_NS
+            tapped = self._state == "several" and not self._moved and quick
+            self._forget()
+            meanings += [Meaning("tap", time_ns, count=most)] if tapped else []
+        return meanings
 
     def cancel(self, time_ns: int) -> list[Meaning]:
-        """The system took the fingers away."""
+        """Forget all fingers: the system took them away."""
         pressed = self._state == "one"
         self._forget()
         return [Meaning("cancel", time_ns)] if pressed else []
 
     # -- steps ------------------------------------------------------------------------------
 
-    def _begin(self, time_ns: int, number: int) -> None:
-        down = self._down
-        self._forget()
-        self._down, self._state, self._first, self._began = down, "waiting", number, time_ns
-
-    def _join(self, time_ns: int) -> list[Meaning]:
+    def _join_finger(self, time_ns: int) -> list[Meaning]:
         """Another finger came: a gesture of all, unless the first one paints for long already."""
         if self._state == "waiting":
             self._state = "several"
@@ -127,16 +129,16 @@ class Fingers:
         return []
 
     def _follow_one(self, time_ns: int) -> list[Meaning]:
-        place = self._down.get(self._first)
-        if place is None:
-            said = self._press(time_ns) if self._state == "waiting" else []
+        position = self._down.get(self._first)
+        if position is None:
+            meanings = self._press(time_ns) if self._state == "waiting" else []
             self._state = "over"
             x, y = self._last
-            return [*said, Meaning("lift", time_ns, x, y)]
-        self._last = place
+            return [*meanings, Meaning("lift", time_ns, x, y)]
+        self._last = position
         if self._state == "one":
-            return [Meaning("move", time_ns, *place)]
-        self._waiting.append((time_ns, *place))
+            return [Meaning("move", time_ns, *position)]
+        self._waiting.append((time_ns, *position))
         if self._moved or time_ns - self._began > _WAIT_NS:
             return self._press(time_ns)
         return []
@@ -148,7 +150,7 @@ class Fingers:
         self._waiting = []
         return [Meaning("press", *first), *(Meaning("move", *one) for one in rest)]
 
-    def _follow_several(self, time_ns: int, before: Places, came: bool) -> list[Meaning]:
+    def _follow_several(self, time_ns: int, before: Positions, came: bool) -> list[Meaning]:
         both = [number for number in self._down if number in before]
         if came or len(both) != len(before) or len(both) < 2 or not self._moved:
             return []
@@ -157,24 +159,20 @@ class Fingers:
         dx, dy = x - _middle(old)[0], y - _middle(old)[1]
         if len(both) > 2:
             return [Meaning("turn", time_ns, x, y, dx, dy)]
-        spread, angle = _way(new)
-        old_spread, old_angle = _way(old)
+        spread, angle = _span_and_angle(new)
+        old_spread, old_angle = _span_and_angle(old)
         turned = math.remainder(old_angle - angle, 2.0 * math.pi)  # y points down
         factor = spread / old_spread if min(spread, old_spread) > 1.0 else 1.0
         return [Meaning("pinch", time_ns, x, y, dx, dy, factor, turned)]
 
-    def _end(self, time_ns: int) -> list[Meaning]:
-        most, quick = self._most, time_ns - self._began <= _TAP_NS
-        tapped = self._state == "several" and not self._moved and quick
-        self._forget()
-        return [Meaning("tap", time_ns, count=most)] if tapped else []
+
+def _middle(positions: list[tuple[float, float]]) -> tuple[float, float]:
+    return sum(x for x, _ in positions) / len(positions), sum(y for _, y in positions) / len(
+        positions
+    )
 
 
-def _middle(places: list[tuple[float, float]]) -> tuple[float, float]:
-    return sum(x for x, _ in places) / len(places), sum(y for _, y in places) / len(places)
-
-
-def _way(places: list[tuple[float, float]]) -> tuple[float, float]:
-    """How far two places lie apart, and in which direction, rad."""
-    (x0, y0), (x1, y1) = places
+def _span_and_angle(positions: list[tuple[float, float]]) -> tuple[float, float]:
+    """Distance of two positions, pixels, and the direction from one to the other, rad."""
+    (x0, y0), (x1, y1) = positions
     return math.hypot(x1 - x0, y1 - y0), math.atan2(y1 - y0, x1 - x0)

@@ -1,6 +1,6 @@
 """From a pointer over a picture of the object to a brush standing on it.
 
-A window says where the pointer's ray meets the object, or gives the ray. That place is what every
+A window says where the pointer's ray meets the object, or gives the ray. That point is what every
 sample says as its contact: the middle of the footprint comes to lie there, however the pen leans.
 What a mouse cannot say is made up: the pressure from keys, wheel or speed, and the bend from the
 way, for the tuft trails behind, unless a direction is given (Guo 2015, Table 2: device I). A stroke
@@ -40,22 +40,18 @@ __all__ = [
     "Hand",
     "HandSettings",
     "PointerInput",
-    "any_tangent",
-    "held_over",
-    "lean_of",
     "root_over",
-    "turned_with",
 ]
 
 # ---- How the brush stands ------------------------------------------------------------------------
-# How a brush stands over the place that a pointer means: its lean, and where its root is.
+# How a brush stands over the point that a pointer means: its lean, and where its root is.
 
 
 _MOST_LEAN = math.radians(60.0)
 _STEEPEST_TILT = 85.0  # degrees that a tablet may say
 
 
-def lean_of(
+def _lean_of(
     normal: AnyArray,
     right: Sequence[float] | AnyArray | None,
     up: Sequence[float] | AnyArray | None,
@@ -80,7 +76,8 @@ def lean_of(
     """
     if right is None or up is None or not (x_tilt or y_tilt):
         return normal
-    x, y = (math.tan(math.radians(_limit_tilt(t))) for t in (x_tilt, y_tilt))
+    tilts = (as_number(degrees, "tilt (degrees)") for degrees in (x_tilt, y_tilt))
+    x, y = (math.tan(math.radians(min(max(t, -_STEEPEST_TILT), _STEEPEST_TILT))) for t in tilts)
     aside = x * as_array(right, "right", (3,)) - y * as_array(up, "up", (3,))
     aside = aside - (aside @ normal) * normal
     length = length_of(aside)
@@ -90,8 +87,8 @@ def lean_of(
     return math.cos(angle) * normal + math.sin(angle) / length * aside
 
 
-def held_over(lean: AnyArray, normal: AnyArray) -> AnyArray:
-    """A handle's direction, where it is farther than 60 degrees from a normal turned towards it.
+def _limit_lean(lean: AnyArray, normal: AnyArray) -> AnyArray:
+    """Handle's direction, limited to 60 degrees from a normal that turns towards it.
 
     Parameters
     ----------
@@ -101,12 +98,12 @@ def held_over(lean: AnyArray, normal: AnyArray) -> AnyArray:
     along = float(lean @ normal)
     if along >= math.cos(_MOST_LEAN) - 1e-9:
         return lean
-    aside = any_tangent(normal, lean)
+    aside = _any_tangent(normal, lean)
     return math.cos(_MOST_LEAN) * normal + math.sin(_MOST_LEAN) * aside
 
 
-def turned_with(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray:
-    """A vector that is turned as one normal turns into another, the shortest way.
+def _rotate_between(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray:
+    """Turn a vector as one normal turns into another, the shortest way.
 
     Parameters
     ----------
@@ -115,36 +112,37 @@ def turned_with(before: AnyArray, after: AnyArray, vector: AnyArray) -> AnyArray
     vector : (3,)
     """
     both = before + after
-    fraction = 0.5 * float(both @ both)  # 1 + the cosine between them
-    if fraction < 1e-9:
+    one_plus_cosine = 0.5 * float(both @ both)
+    if one_plus_cosine < 1e-9:
         return vector
-    return vector - float(both @ vector) / fraction * both + 2.0 * float(before @ vector) * after
+    across = float(both @ vector) / one_plus_cosine
+    return vector - across * both + 2.0 * float(before @ vector) * after
 
 
 def root_over(
     brush: BrushSpec,
-    place: AnyArray,
+    point: AnyArray,
     normal: AnyArray,
     bend: AnyArray,
     handle: AnyArray,
     pressure: float,
 ) -> AnyArray:
-    """Where the tuft's root is when the middle of its footprint lies at a place, on a plane there.
+    """Root of the tuft when the middle of its footprint lies at a point, on a plane there.
 
-    Painting asks for the place and not for the root (`DeviceSample.contact`); the root is what a
-    recording says besides, and a program that knows no places paints by it.
+    Painting asks for the point and not for the root (`DeviceSample.contact`); the root is what a
+    recording says besides, and a program that knows no points paints by it.
 
     Parameters
     ----------
     brush : BrushSpec
-    place, normal : (3,)
+    point, normal : (3,)
         On the surface, mm, and the unit normal there.
     bend : (3,)
         Unit, along the surface, from the root's foot to the tip.
     handle : (3,)
         Unit, up the handle.
     pressure : float
-        0 to 1; 0: the straight tuft's tip is at the place.
+        0 to 1; 0: the straight tuft's tip is at the point.
 
     Returns
     -------
@@ -152,12 +150,12 @@ def root_over(
         mm.
     """
     if pressure <= 0.0:
-        return place + brush.length_mm * handle
+        return point + brush.length_mm * handle
     upright, ahead = float(handle @ normal), float(handle @ bend)
     tilt = math.acos(min(1.0, max(0.0, -ahead)))
     tuft = build_tuft(brush)
     descent = min(pressure * tuft.full_press, greatest_descent(tuft, max(tilt, tuft.lowest_tilt)))
-    foot = place - _middle_reach(tuft, descent, tilt, pressure) * bend
+    foot = point - _middle_reach(tuft, descent, tilt, pressure) * bend
     height = max(0.0, brush.length_mm * upright - descent)
     aside = handle - upright * normal - min(0.0, ahead) * bend  # what is no lean along the bend
     result: AnyArray = foot + height * normal + brush.length_mm * aside
@@ -165,19 +163,14 @@ def root_over(
 
 
 def _middle_reach(tuft: Tuft, descent: float, tilt: float, pressure: float) -> float:
-    """How far along the bend the middle of a footprint lies from the foot, mm; 0 for none."""
+    """Distance along the bend from the foot to a footprint's middle, mm; 0 without one."""
     reach, half = np.empty(OUTLINE_CAPACITY), np.empty(OUTLINE_CAPACITY)
     n = trace_outline(tuft, descent, tilt, pressure, np.empty(SCRATCH_SIZE), reach, half)
     return 0.5 * float(reach[0] + reach[n - 1]) if n else 0.0
 
 
-def _limit_tilt(degrees: float) -> float:
-    angle = as_number(degrees, "tilt (degrees)")
-    return min(max(angle, -_STEEPEST_TILT), _STEEPEST_TILT)
-
-
-def any_tangent(normal: AnyArray, wanted: AnyArray) -> AnyArray:
-    """The unit vector across the normal that is nearest to the wanted one."""
+def _any_tangent(normal: AnyArray, wanted: AnyArray) -> AnyArray:
+    """Unit vector across the normal that is nearest to the wanted one."""
     for candidate in (wanted, np.array([1.0, 0.0, 0.0]), np.array([0.0, 1.0, 0.0])):
         across = candidate - (candidate @ normal) * normal
         length = length_of(across)
@@ -196,25 +189,26 @@ _STEP_NS = 1_000_000
 _GLIDE_MM_S = 150.0  # how fast a steadied brush is brought to the end of its string
 _GLIDE_STEP_MM = 0.5
 _LEAST_GAP_MM = 3.0
-_PLACES_BETWEEN = (0.25, 0.5, 0.75)
+_FRACTIONS_BETWEEN = (0.25, 0.5, 0.75)
 _MOST_OFF = 0.2  # of the way between two events: a quarter of a sphere's outline leaves it by 0.21
 _HALVINGS = 7  # of the angle between two rays, to find an edge between them
-_STAYS = 0.6  # of a way: a part that stays greater is an edge's
+_LEAST_SHRINKING = 0.6  # of a way: a part that stays greater is an edge's
 _FILTER_S = 0.03  # over which the pointer's speed is taken
-_SURE, _LEAST_SURE = 0.3, 0.15  # of the trail: a way that shows a stroke's direction, if need be
+# of the trail: a path so long shows a stroke's direction, and the shorter one if need be
+_SURE_DIRECTION, _LEAST_DIRECTION = 0.3, 0.15
 _STANDS_NS = 150_000_000  # after which a brush that does not move comes down as it is
 _LEANS = math.sin(math.radians(5.0))  # a pen that leans more has its tip on the other side
 _UNDER = 0.07  # of the tuft's length: half a footprint, about
 _SUNK = 0.35  # of that: how far under the surface its rim is looked for
 _OTHER_SIDE = -0.5  # cosine to the normal: what faces farther away is the other side of a wall
 _RIM = np.stack([f(0.25 * math.pi * np.arange(8)) for f in (np.cos, np.sin)], axis=1)
-_TURNS = math.radians(12.0)  # a surface that turns by more between two places is looked at there
-_LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last place is no way to it
+_TURNS = math.radians(12.0)  # a surface that turns by more between two points is looked at there
+_LIFTED_OVER = 0.15  # of the tuft's length: a release farther from the last point is no path to it
 
 
 @dataclass(frozen=True, eq=False)
 class PointerInput:
-    """What a pointer said at one instant; all vectors in the object's frame.
+    """State of a pointer at one instant; all vectors in the object's frame.
 
     Attributes
     ----------
@@ -269,7 +263,7 @@ _LEAST_ARM_MM = 2.0  # from which a ruler's direction is taken
 
 @dataclass(frozen=True)
 class HandSettings:
-    """How the hand is read.
+    """Settings for reading the hand.
 
     Attributes
     ----------
@@ -282,7 +276,7 @@ class HandSettings:
     ruler : str
         One of `RULERS`: what a stroke is led along.
     trail : float
-        Share of the tuft's length that its tip trails behind the brush.
+        Fraction of the tuft's length that its tip trails behind the brush.
     pressure_by : {"keys", "speed"}
         What gives the pressure of a device that has none.
     newtons_per_s, newtons_per_notch : float
@@ -330,7 +324,7 @@ class HandSettings:
 
 @dataclass
 class _StrokeState:
-    """What is remembered between events."""
+    """State between events."""
 
     time_ns: int
     target: AnyArray  # where the pointer is, on the surface
@@ -350,7 +344,7 @@ class _StrokeState:
 
 @dataclass(frozen=True, eq=False)
 class _Stand:
-    """Where the brush is at one instant, but for whither its tip trails."""
+    """Pose of the brush at one instant, but for the direction in which its tip trails."""
 
     time_ns: int
     target: AnyArray  # where the pointer is
@@ -403,12 +397,12 @@ class Hand:
         return self._last
 
     def hover(self, event: PointerInput, brush: BrushSpec) -> DeviceSample | None:
-        """The brush above the surface; None where the pointer is beside the object."""
+        """Hold the brush above the surface; None where the pointer is beside the object."""
         stand = self._follow(event, self._meet(event), brush, pulled=False)
         return None if stand is None else self._sample(stand, brush, lifted=True)
 
     def begin(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample] | None:
-        """The brush comes down; None where the pointer is beside the object.
+        """Put the brush down; None where the pointer is beside the object.
 
         Samples may only come with later events, when it is known whither the stroke goes.
         """
@@ -427,7 +421,7 @@ class Hand:
         return self._land_if_sure(brush)
 
     def move(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
-        """The pointer went on; no samples where it is beside the object or time stood still.
+        """Follow the pointer; no samples where it is beside the object or time stood still.
 
         Where it comes back from beside the object, or from one part of it to another that lies
         behind, the brush is lifted and put down again.
@@ -435,32 +429,34 @@ class Hand:
         state = self._state
         if state is None or state.began_ns is None or event.time_ns <= state.sent_ns:
             return []
-        found = self._meet(event)
-        if found is None:
+        meeting = self._meet(event)
+        if meeting is None:
             state.beside = True
-        elif state.beside or self._is_apart(found[0], event):
-            return self._step_over(event, brush)
+        elif state.beside or self._is_apart(meeting[0], event):
+            lifted = self.end(self._now.sent_ns, brush)
+            landed = max(event.time_ns, lifted[-1].time_ns + 2 * _STEP_NS)
+            return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
         before = state.sent_ns
-        stand = self._follow(event, found, brush, pulled=True, pressed=True)
+        stand = self._follow(event, meeting, brush, pulled=True, pressed=True)
         if stand is None:
             return []
         state.sent_ns = event.time_ns
         samples = []
-        for between in self._over_fold(stand, event, brush, before):
+        for between in self._stands_over_fold(stand, event, brush, before):
             samples += self._put_down(between, brush)
         return samples + self._put_down(stand, brush)
 
     def end(
         self, time_ns: int, brush: BrushSpec, event: PointerInput | None = None
     ) -> list[DeviceSample]:
-        """The brush goes to where the pointer is, and up.
+        """Bring the brush to where the pointer is, and lift it.
 
         Parameters
         ----------
         time_ns : int
         brush : BrushSpec
         event : PointerInput, optional
-            Of the pen that was lifted: on the way to its place the pressure falls to nothing.
+            Of the pen that was lifted: on the way to its point the pressure falls to nothing.
         """
         state = self._state
         if state is None or state.began_ns is None:
@@ -477,31 +473,31 @@ class Hand:
             self._waiting.append(pressed)
         samples = self._land(brush) + self._glide(brush)
         state.began_ns = None
-        found = None if event is None or state.beside else self._meet(event)
+        meeting = None if event is None or state.beside else self._meet(event)
         lifted = replace(self._latest, time_ns=max(time_ns, state.sent_ns + _STEP_NS), pressure=0.0)
-        if found is not None and self.settings.ruler != "none":
-            found = self._follow_ruler(*found)
-        if found is not None:
-            far = length_of(found[0] - lifted.point) > _LIFTED_OVER * brush.length_mm
-            if not far and event is not None and not self._is_apart(found[0], event):
-                normal = self._normal_under(*found, brush)
-                lifted = replace(lifted, point=found[0], normal=normal)
+        if meeting is not None and self.settings.ruler != "none":
+            meeting = self._follow_ruler(*meeting)
+        if meeting is not None:
+            far = length_of(meeting[0] - lifted.point) > _LIFTED_OVER * brush.length_mm
+            if not far and event is not None and not self._is_apart(meeting[0], event):
+                normal = self._normal_under(*meeting, brush)
+                lifted = replace(lifted, point=meeting[0], normal=normal)
         return [*samples, self._sample(lifted, brush)]
 
     # -- steps ------------------------------------------------------------------------------
 
     def _is_apart(self, point: AnyArray, event: PointerInput) -> bool:
-        """Whether the way to a point leaves the surface, as from a rim to what is behind it."""
-        way = point - self._now.target
-        distance = length_of(way)
+        """True if the path to a point leaves the surface, as from a rim to what is behind."""
+        step = point - self._now.target
+        distance = length_of(step)
         if distance < _LEAST_GAP_MM:
             return False
-        between = self._now.target + np.outer(_PLACES_BETWEEN, way)
+        between = self._now.target + np.outer(_FRACTIONS_BETWEEN, step)
         off = np.linalg.norm(self._surface.find(between).points - between, axis=1)
-        return bool(off.max() > _MOST_OFF * distance) or self._leaps(point, event)
+        return bool(off.max() > _MOST_OFF * distance) or self._crosses_edge(point, event)
 
-    def _leaps(self, point: AnyArray, event: PointerInput) -> bool:
-        """Whether an edge is seen between the last place and this: no ray between meets the way.
+    def _crosses_edge(self, point: AnyArray, event: PointerInput) -> bool:
+        """Return whether an edge is seen between the last point and this: no ray meets the path.
 
         Of two rays the one in the middle halves the way between what they meet, or, where the
         surface is seen from the side, all but. Over an edge the greater part stays as it is.
@@ -509,7 +505,7 @@ class Hand:
         rays = [self._now.ray, _ray_of(event)]
         if rays[0] is None or rays[1] is None:
             return False
-        places = [self._now.target, point]
+        points = [self._now.target, point]
         gap = length_of(point - self._now.target)
         for _ in range(_HALVINGS):
             origin, direction = (0.5 * (a + b) for a, b in zip(*rays, strict=True))
@@ -517,17 +513,17 @@ class Hand:
             hit = self._surface.cast(middle[0][None], middle[1][None])
             if not hit.hit[0]:
                 return True
-            gaps = [length_of(hit.points[0] - place) for place in places]
-            if max(gaps) < _STAYS * gap:
+            gaps = [length_of(hit.points[0] - end) for end in points]
+            if max(gaps) < _LEAST_SHRINKING * gap:
                 return False
             behind = int(gaps[0] >= gaps[1])
-            rays[behind], places[behind] = middle, hit.points[0]
+            rays[behind], points[behind] = middle, hit.points[0]
         return True
 
-    def _over_fold(
+    def _stands_over_fold(
         self, stand: _Stand, event: PointerInput, brush: BrushSpec, before_ns: int
     ) -> list[_Stand]:
-        """Places between the last and this, where the surface turns between them.
+        """Stands between the last and this one, where the surface turns between them.
 
         Between two samples the handle turns evenly, but the surface at once: over a fold the brush
         would lie down on it for a moment, and its footprint be twice as long.
@@ -535,13 +531,13 @@ class Hand:
         last = self._waiting[-1] if self._waiting else self._latest
         cosine = float(np.clip(last.normal @ stand.normal, -1.0, 1.0))
         n = min(math.ceil(math.acos(cosine) / _TURNS), (stand.time_ns - before_ns) // _STEP_NS)
-        way = stand.point - last.point
+        step = stand.point - last.point
         stands = []
         for k in range(1, n):
             fraction = k / n
-            point, normal = self._on_surface(last.point + fraction * way)
+            point, normal = self._on_surface(last.point + fraction * step)
             normal = self._normal_under(point, normal, brush)
-            lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
+            lean = _lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
             stands.append(
                 replace(
                     stand,
@@ -550,72 +546,83 @@ class Hand:
                     point=point,
                     normal=normal,
                     lean=lean,
-                    rest=self._resting_way(lean, normal, event),
+                    rest=self._resting_direction(lean, normal, event),
                     pressure=last.pressure + fraction * (stand.pressure - last.pressure),
                 )
             )
         return stands
 
-    def _step_over(self, event: PointerInput, brush: BrushSpec) -> list[DeviceSample]:
-        """Up where the brush is, and down where the pointer is now."""
-        lifted = self.end(self._now.sent_ns, brush)
-        landed = max(event.time_ns, lifted[-1].time_ns + 2 * _STEP_NS)
-        return lifted + (self.begin(replace(event, time_ns=landed), brush) or [])
-
     def _follow(
         self,
         event: PointerInput,
-        found: tuple[AnyArray, AnyArray] | None,
+        meeting: tuple[AnyArray, AnyArray] | None,
         brush: BrushSpec,
         pulled: bool,
         pressed: bool = False,
     ) -> _Stand | None:
-        """Take the pointer's new place, where it meets the surface; None where it does not."""
-        self._press_keys(event)
-        if found is None:
+        """Take the point where the pointer meets the surface; None where it does not."""
+        settings, state = self.settings, self._state
+        seconds = 0.0 if state is None else (event.time_ns - state.time_ns) * 1e-9
+        change = settings.newtons_per_s * max(0.0, seconds)
+        change *= int(event.harder) - int(event.softer)
+        change += settings.newtons_per_notch * event.wheel
+        self.force = min(MAX_FORCE_N, max(0.0, self.force + change))
+        if meeting is None:
             return None
-        point, normal = found
-        state = self._state
+        point, normal = meeting
         if state is None:
-            tip = point + any_tangent(normal, np.zeros(3))
+            tip = point + _any_tangent(normal, np.zeros(3))
             state = self._state = _StrokeState(event.time_ns, point, point, point, normal, tip)
-        self._follow_speed(event.time_ns, point)
+        if seconds > 0.0:  # the speed is a mean over the last hundredths of a second
+            speed = length_of(point - state.target) / seconds
+            weight = 1.0 - math.exp(-seconds / _FILTER_S)
+            state.speed += weight * (speed - state.speed)
         state.time_ns, state.target, state.ray = event.time_ns, point, _ray_of(event)
         if pulled and self.settings.ruler != "none":
             point, normal = self._follow_ruler(point, normal)
         state.goal = point
-        string = self._string_mm(event) if pulled else 0.0
+        steadiness = settings.smoothing
+        if event.pressure is None:
+            steadiness = max(steadiness, settings.mouse_smoothing)
+        string = steadiness * settings.longest_string_mm if pulled else 0.0  # length, mm
         if string > 0.0:
-            point, normal = self._pull(point, string)
+            step = point - state.point
+            distance = length_of(step)
+            if distance <= string:
+                point, normal = state.point, state.normal
+            else:
+                point, normal = self._on_surface(state.point + (1.0 - string / distance) * step)
         normal = self._normal_under(point, normal, brush)
         state.point, state.normal = point, normal
-        lean = lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
+        lean = _lean_of(normal, event.right, event.up, event.x_tilt, event.y_tilt)
         return _Stand(
             event.time_ns,
             state.goal,
             point,
             normal,
             lean,
-            self._resting_way(lean, normal, event),
+            self._resting_direction(lean, normal, event),
             None if event.rotation is None else math.radians(event.rotation),
             self._pressure(event) if pressed else 0.0,
             event.buttons,
-            None if event.bend is None else any_tangent(normal, as_array(event.bend, "bend", (3,))),
+            None
+            if event.bend is None
+            else _any_tangent(normal, as_array(event.bend, "bend", (3,))),
         )
 
-    def _resting_way(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
-        """Whither a tip points that nothing drags: away from the lean, else up left as seen."""
+    def _resting_direction(self, lean: AnyArray, normal: AnyArray, event: PointerInput) -> AnyArray:
+        """Direction of a tip that nothing drags: away from the lean, else up left as seen."""
         aside = lean - (lean @ normal) * normal
         if length_of(aside) > _LEANS:
-            return any_tangent(normal, -aside)
+            return _any_tangent(normal, -aside)
         if event.right is None or event.up is None:
-            return any_tangent(normal, self._now.tip - self._now.point)
-        return any_tangent(normal, np.subtract(event.up, event.right))
+            return _any_tangent(normal, self._now.tip - self._now.point)
+        return _any_tangent(normal, np.subtract(event.up, event.right))
 
     # -- coming down ------------------------------------------------------------------------
 
     def _put_down(self, stand: _Stand, brush: BrushSpec) -> list[DeviceSample]:
-        """Samples of one place more: now, or when it is known whither the stroke goes."""
+        """Samples of one stand more: now, or when the stroke's direction is known."""
         if not self._waiting:
             self._drag(stand, brush)
             return [self._sample(stand, brush)]
@@ -623,24 +630,24 @@ class Hand:
         return self._land_if_sure(brush)
 
     def _land_if_sure(self, brush: BrushSpec) -> list[DeviceSample]:
-        """What waits, if it need not wait any longer."""
+        """Samples of all that waits, if it need not wait any longer."""
         first, last = self._waiting[0], self._waiting[-1]
-        far = length_of(last.target - first.point) >= _SURE * self._trail(brush)
+        far = length_of(last.target - first.point) >= _SURE_DIRECTION * self._trail(brush)
         stands = last.time_ns - first.time_ns >= _STANDS_NS
         given = first.twist is not None or last.bend is not None
         return self._land(brush) if far or stands or given else []
 
     def _land(self, brush: BrushSpec) -> list[DeviceSample]:
-        """Samples of all that waited; the tip trails behind the way, or points as it rests."""
+        """Samples of all that waited; the tip trails behind the path, or points as it rests."""
         stands, self._waiting = self._waiting, []
         if not stands:
             return []
         first = stands[0]
-        way = stands[-1].target - first.point
-        moved = length_of(way) >= _LEAST_SURE * self._trail(brush)
-        back = any_tangent(first.normal, -way) if moved else first.rest
+        step = stands[-1].target - first.point
+        moved = length_of(step) >= _LEAST_DIRECTION * self._trail(brush)
+        back = _any_tangent(first.normal, -step) if moved else first.rest
         if stands[-1].bend is not None:
-            back = any_tangent(first.normal, stands[-1].bend)
+            back = _any_tangent(first.normal, stands[-1].bend)
         self._now.tip = first.point + self._trail(brush) * back
         self._last = first
         samples = []
@@ -650,15 +657,15 @@ class Hand:
         return samples
 
     def _drag(self, stand: _Stand, brush: BrushSpec) -> None:
-        """Bring the brush to its place; its tip is dragged along the surface behind it.
+        """Bring the brush to its point; its tip is dragged along the surface behind it.
 
         Over an edge the tip is turned with the surface: laid into the new plane instead, it would
         come to lie under the brush, and point along the edge.
         """
         state, last, trail = self._now, self._latest, self._trail(brush)
-        back = turned_with(last.normal, stand.normal, state.tip - last.point)
-        way = stand.point - last.point
-        back = back - length_of(way) * _project_along(stand.normal, way)
+        back = _rotate_between(last.normal, stand.normal, state.tip - last.point)
+        step = stand.point - last.point
+        back = back - length_of(step) * _project_along(stand.normal, step)
         back = back - (back @ stand.normal) * stand.normal
         distance = length_of(back)
         if stand.bend is not None:
@@ -671,7 +678,7 @@ class Hand:
         self._last = stand
 
     def _meet(self, event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
-        """Where the pointer meets the surface, and the normal there."""
+        """Point where the pointer's ray meets the surface, and the normal there."""
         if event.point is not None and event.normal is not None:
             normal = as_array(event.normal, "normal", (3,))
             return as_array(event.point, "point", (3,)), normal / length_of(normal)
@@ -682,32 +689,24 @@ class Hand:
         return self._on_surface(hits.points[0]) if hits.hit[0] else None
 
     def _on_surface(self, point: AnyArray) -> tuple[AnyArray, AnyArray]:
-        found = self._surface.find(point[None])
-        return found.points[0], found.normals[0]
+        nearest = self._surface.find(point[None])
+        return nearest.points[0], nearest.normals[0]
 
     def _normal_under(self, point: AnyArray, normal: AnyArray, brush: BrushSpec) -> AnyArray:
         """The mean normal under a footprint: over a crease the handle turns by and by.
 
-        The places on its rim lie a little under the surface, so that those beyond an edge are
+        The points on its rim lie a little under the surface, so that those beyond an edge are
         nearest to the other face.
         """
-        ahead = any_tangent(normal, np.array([1.0, 0.0, 0.0]))
+        ahead = _any_tangent(normal, np.array([1.0, 0.0, 0.0]))
         rim = _RIM @ np.stack([ahead, cross(normal, ahead)]) - _SUNK * normal
-        found = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
-        mean = 2.0 * normal + found[found @ normal > _OTHER_SIDE].sum(axis=0)
+        normals = self._surface.find(point + _UNDER * brush.length_mm * rim).normals
+        mean = 2.0 * normal + normals[normals @ normal > _OTHER_SIDE].sum(axis=0)
         result: AnyArray = mean / length_of(mean)
         return result
 
-    def _string_mm(self, event: PointerInput) -> float:
-        """Length of the string that pulls the brush, mm."""
-        settings = self.settings
-        steady = settings.smoothing
-        if event.pressure is None:
-            steady = max(steady, settings.mouse_smoothing)
-        return steady * settings.longest_string_mm
-
     def _follow_ruler(self, point: AnyArray, normal: AnyArray) -> tuple[AnyArray, AnyArray]:
-        """The place nearest to a point where the ruler leads from the stroke's beginning.
+        """The point nearest to another where the ruler leads from the stroke's beginning.
 
         Rulers are planes that the surface is cut by: through the first way and the normal there,
         level, or through the object's axis.
@@ -717,7 +716,7 @@ class Hand:
         if start is None:
             return point, normal
         if state.across is None:
-            state.across = self._plane_from(start, point)
+            state.across = self._ruler_plane(start, point)
             if state.across is None:
                 return self._on_surface(start)
         for _ in range(_RULED):
@@ -725,8 +724,8 @@ class Hand:
             point, normal = self._on_surface(point - off * state.across)
         return point, normal
 
-    def _plane_from(self, start: AnyArray, point: AnyArray) -> AnyArray | None:
-        """The normal of the ruler's plane; None while it is not known whither it leads."""
+    def _ruler_plane(self, start: AnyArray, point: AnyArray) -> AnyArray | None:
+        """Normal of the ruler's plane; None while its direction is not known."""
         if self.settings.ruler == "ring":
             return np.array([0.0, 0.0, 1.0])
         if self.settings.ruler == "profile":
@@ -743,50 +742,25 @@ class Hand:
         across: AnyArray = cross(self._on_surface(start)[1], point - start)
         return across / max(length_of(across), 1e-12)
 
-    def _pull(self, target: AnyArray, string: float) -> tuple[AnyArray, AnyArray]:
-        """Where a string of this length pulls the brush."""
-        state = self._now
-        way = target - state.point
-        distance = length_of(way)
-        if distance <= string:
-            return state.point, state.normal
-        return self._on_surface(state.point + (1.0 - string / distance) * way)
-
     def _glide(self, brush: BrushSpec) -> list[DeviceSample]:
-        """Samples on the way to where the pointer was last."""
+        """Samples on the path to where the pointer was last."""
         state = self._now
-        start, way = state.point, state.goal - state.point
-        length = length_of(way)
+        start, path = state.point, state.goal - state.point
+        length = length_of(path)
         n = math.ceil(length / _GLIDE_STEP_MM)
         step_ns = round(length / max(n, 1) / _GLIDE_MM_S * 1e9)
         pressure, samples = self._latest.pressure, []
         for k in range(1, n + 1):
-            state.point, normal = self._on_surface(start + (k / n) * way)
+            state.point, normal = self._on_surface(start + (k / n) * path)
             state.normal = self._normal_under(state.point, normal, brush)
             state.sent_ns += max(step_ns, _STEP_NS)
             stand = replace(
                 self._latest, time_ns=state.sent_ns, point=state.point, normal=state.normal,
-                pressure=pressure if state.has_pressure else pressure * _eased(1.0 - k / n),
+                pressure=pressure if state.has_pressure else pressure * _ease(1.0 - k / n),
             )  # fmt: skip
             self._drag(stand, brush)
             samples.append(self._sample(stand, brush))
         return samples
-
-    def _press_keys(self, event: PointerInput) -> None:
-        settings, state = self.settings, self._state
-        seconds = 0.0 if state is None else max(0.0, (event.time_ns - state.time_ns) * 1e-9)
-        change = settings.newtons_per_s * seconds * (int(event.harder) - int(event.softer))
-        change += settings.newtons_per_notch * event.wheel
-        self.force = min(MAX_FORCE_N, max(0.0, self.force + change))
-
-    def _follow_speed(self, time_ns: int, point: AnyArray) -> None:
-        """The pointer's speed, mm/s, over the last hundredths of a second."""
-        state = self._now
-        seconds = (time_ns - state.time_ns) * 1e-9
-        if seconds > 0.0:
-            now = length_of(point - state.target) / seconds
-            weight = 1.0 - math.exp(-seconds / _FILTER_S)
-            state.speed += weight * (now - state.speed)
 
     def _pressure(self, event: PointerInput) -> float:
         settings = self.settings
@@ -800,7 +774,7 @@ class Hand:
             began_ns = event.time_ns if state.began_ns is None else state.began_ns
             since = (event.time_ns - began_ns) * 1e-9
             if since < settings.landing_s:
-                pressure *= _eased(since / settings.landing_s)
+                pressure *= _ease(since / settings.landing_s)
         return pressure
 
     def _trail(self, brush: BrushSpec) -> float:
@@ -808,14 +782,17 @@ class Hand:
 
     def _sample(self, stand: _Stand, brush: BrushSpec, lifted: bool = False) -> DeviceSample:
         normal = stand.normal
-        z = held_over(stand.lean, normal)  # gliding and lifted it comes to where others were right
+        # gliding and lifted, the brush comes to points with another normal than the lean's
+        z = _limit_lean(stand.lean, normal)
         if stand.twist is None:  # laid on the surface, the bend is along the trailing tip
-            bend = any_tangent(normal, self._now.tip - stand.point)
+            bend = _any_tangent(normal, self._now.tip - stand.point)
             x = bend - (bend @ z) / (normal @ z) * normal
             x /= length_of(x)
         else:
-            x = _turn_across(any_tangent(z, np.array([1.0, 0.0, 0.0])), z, -stand.twist)
-            bend = any_tangent(normal, x)
+            vector = _any_tangent(z, np.array([1.0, 0.0, 0.0]))
+            angle = -stand.twist
+            x = math.cos(angle) * vector + math.sin(angle) * cross(z, vector)
+            bend = _any_tangent(normal, x)
         orientation = quaternions_from_matrices(np.stack([x, cross(z, x), z], axis=-1)[None])[0]
         root = root_over(brush, stand.point, normal, bend, z, stand.pressure)
         if lifted:
@@ -832,13 +809,13 @@ class Hand:
         )
 
 
-def _eased(share: float) -> float:
-    """How much of a pressure a mouse has that comes down or goes up, 0 to 1.
+def _ease(fraction: float) -> float:
+    """Fraction of its pressure that a mouse has while it comes down or goes up, 0 to 1.
 
     It changes fastest where the tuft is hardly down, and has no corner where it is: an end is round
     as a tuft's print, not cut to a point like a pencil.
     """
-    return share * (2.0 - share)
+    return fraction * (2.0 - fraction)
 
 
 def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
@@ -847,12 +824,8 @@ def _ray_of(event: PointerInput) -> tuple[AnyArray, AnyArray] | None:
     return np.asarray(event.origin, np.float64), np.asarray(event.direction, np.float64)
 
 
-def _project_along(normal: AnyArray, way: AnyArray) -> AnyArray:
-    """A way's direction along a surface; zero where it leads straight up or down."""
-    across = way - (way @ normal) * normal
+def _project_along(normal: AnyArray, vector: AnyArray) -> AnyArray:
+    """The direction of a step along a surface; zero where it leads straight up or down."""
+    across = vector - (vector @ normal) * normal
     length = length_of(across)
     return across / length if length > 1e-9 else np.zeros(3)
-
-
-def _turn_across(vector: AnyArray, axis: AnyArray, angle: float) -> AnyArray:
-    return math.cos(angle) * vector + math.sin(angle) * cross(axis, vector)

@@ -102,7 +102,7 @@ def roll(camera: Camera, angle: float) -> Camera:
 
 
 def roll_of(camera: Camera) -> float:
-    """How far the picture is rolled from upright, anticlockwise, rad in (-pi, pi].
+    """Angle by which the picture is rolled from upright, anticlockwise, rad in (-pi, pi].
 
     Upright is the z axis; where one looks along it the picture counts as upright.
     """
@@ -199,7 +199,7 @@ def ray_at(camera: Camera, x: float, y: float, size: tuple[float, float]) -> Ray
 
 
 def pixels_of(camera: Camera, points: ArrayLike, size: tuple[float, float]) -> AnyArray:
-    """Where points (N, 3) are in the picture: (N, 2) pixels, y down; NaN behind the camera."""
+    """Project points (N, 3) to the picture: (N, 2) pixels, y down; NaN behind the camera."""
     width, height = (as_number(s, "size of the picture (pixels)", 1.0) for s in size)
     right, up, back = picture_axes(camera)
     away = np.asarray(points, np.float64) - camera.position

@@ -46,7 +46,12 @@ class PressureCurve:
         if (np.diff(given[:, 0]) <= 0.0).any() or (np.diff(given[:, 1]) < 0.0).any():
             raise InputError("pressure curve falls or turns back; expected it to rise")
         object.__setattr__(self, "points", tuple((float(x), float(y)) for x, y in given))
-        object.__setattr__(self, "_table", _sample_curve(given))
+        steps = np.linspace(0.0, 1.0, _STEPS + 1)
+        curve = PchipInterpolator(given[:, 0], given[:, 1])(steps)
+        curve[0], curve[-1] = given[0, 1], given[-1, 1]
+        object.__setattr__(
+            self, "_table", np.maximum.accumulate(np.clip(curve, given[0, 1], given[-1, 1]))
+        )
 
     def __call__(self, pressure: float) -> float:
         """The pressure painted with, for one that was sent, both 0 to 1."""
@@ -98,11 +103,3 @@ class PressureCurve:
                 index=index,
             )
         return PressureCurve(self.points[:index] + self.points[index + 1 :])
-
-
-def _sample_curve(points: AnyArray) -> AnyArray:
-    """The curve at even steps (STEPS + 1,)."""
-    x = np.linspace(0.0, 1.0, _STEPS + 1)
-    curve = PchipInterpolator(points[:, 0], points[:, 1])(x)
-    curve[0], curve[-1] = points[0, 1], points[-1, 1]
-    return np.maximum.accumulate(np.clip(curve, points[0, 1], points[-1, 1]))

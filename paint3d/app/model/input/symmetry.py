@@ -14,7 +14,7 @@ from paint3d.device.sample import DeviceSample
 from paint3d.errors import InputError
 from paint3d.pose.brush_pose import object_poses
 
-__all__ = ["MirrorPlane", "RadialSymmetry", "Symmetry", "transformed"]
+__all__ = ["MirrorPlane", "RadialSymmetry", "Symmetry", "transform_samples"]
 
 MOST_IMAGES = 64
 _REST = np.array([1.0, 0.0, 0.0, 0.0])
@@ -83,17 +83,21 @@ class Symmetry:
                 n=len(self.planes),
                 most=MOST_IMAGES,
             )
-        found = [np.eye(4)]
+        images = [np.eye(4)]
         for plane in self.planes:
-            mirror = _mirror(plane)
-            found += [mirror @ image for image in found]
+            mirror = _mirror_matrix(plane)
+            images += [mirror @ image for image in images]
         if self.radial is not None:
-            turned = [_turn(self.radial, k) for k in range(turns)]
-            found = [turn @ image for turn in turned for image in found]
-        return _distinct(found)[1:]
+            turned = [_turn_matrix(self.radial, k) for k in range(turns)]
+            images = [turn @ image for turn in turned for image in images]
+        distinct: list[AnyArray] = []
+        for candidate in images:
+            if all(np.abs(candidate - other).max() > _SAME for other in distinct):
+                distinct.append(candidate)
+        return distinct[1:]
 
 
-def _mirror(plane: MirrorPlane) -> AnyArray:
+def _mirror_matrix(plane: MirrorPlane) -> AnyArray:
     normal, point = _direction(plane.normal), as_array(plane.point, "point", (3,))
     image = np.eye(4)
     image[:3, :3] -= 2.0 * np.outer(normal, normal)
@@ -101,7 +105,7 @@ def _mirror(plane: MirrorPlane) -> AnyArray:
     return image
 
 
-def _turn(radial: RadialSymmetry, k: int) -> AnyArray:
+def _turn_matrix(radial: RadialSymmetry, k: int) -> AnyArray:
     axis, point = _direction(radial.axis), as_array(radial.point, "point", (3,))
     half = np.pi * k / radial.count
     q = np.array([np.cos(half), *(np.sin(half) * axis)])
@@ -120,16 +124,10 @@ def _direction(vector: Sequence[float]) -> AnyArray:
     return unit
 
 
-def _distinct(images: Sequence[AnyArray]) -> list[AnyArray]:
-    kept: list[AnyArray] = []
-    for image in images:
-        if all(np.abs(image - other).max() > _SAME for other in kept):
-            kept.append(image)
-    return kept
-
-
-def transformed(samples: Sequence[DeviceSample], image: NDArray[np.float64]) -> list[DeviceSample]:
-    """What an image of the hand does: samples in the object's frame, the object at rest.
+def transform_samples(
+    samples: Sequence[DeviceSample], image: NDArray[np.float64]
+) -> list[DeviceSample]:
+    """Transform samples of a hand to one of its images, in the frame of an object at rest.
 
     A mirrored brush is a brush again: its handle and bend are mirrored, and its third axis follows
     from them.

@@ -41,14 +41,14 @@ def brush_from_words(words: Mapping[str, Any]) -> BrushSpec:
 
 
 def hair_words(painter: Painter) -> dict[str, object] | None:
-    """What the single hairs of a painter's tuft hold and remember; None for a solid tuft."""
+    """State of the single hairs of a painter's tuft; None for a solid tuft."""
     if painter.hairs is None:
         return None
     return listed(painter.hairs.keep())
 
 
 def restore_hairs(painter: Painter, words: Any) -> None:
-    """Let the hairs be as `hair_words` described; nothing happens without.
+    """Restore hairs from `hair_words`; without any, do nothing.
 
     Raises
     ------

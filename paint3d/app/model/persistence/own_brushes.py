@@ -1,4 +1,4 @@
-"""Brushes of one's own, kept as files in a folder of the user's settings."""
+"""Brushes of one's own, stored as files in a folder of the user's settings."""
 
 from __future__ import annotations
 
@@ -29,24 +29,24 @@ def own_brushes(folder: Path | None = None) -> tuple[dict[str, BrushSpec], list[
         By default `own_brush_folder`.
     """
     folder = own_brush_folder() if folder is None else folder
-    presets, found, problems = load_presets(), {}, []
+    presets, brushes, problems = load_presets(), {}, []
     for path in _files(folder):
         try:
             brush = read_brush(path, presets)
-            if brush.name in found or brush.name in presets:
+            if brush.name in brushes or brush.name in presets:
                 raise BrushError(
                     "{file}: another brush is called {brush!r}",
                     file=path,
                     brush=brush.name,
                 )
-            found[brush.name] = brush
+            brushes[brush.name] = brush
         except Paint3DError as cause:
             problems.append(cause.message)
-    return found, problems
+    return brushes, problems
 
 
 def own_brush_path(name: str, folder: Path | None = None) -> Path:
-    """The file that a brush of this name is kept in, whatever that is called; or a new one's."""
+    """The file of the brush of this name, whatever that is called; or a new one's."""
     folder = own_brush_folder() if folder is None else folder
     path = _choose_file(name, folder)
     if _name_in(path) == name:
@@ -55,12 +55,12 @@ def own_brush_path(name: str, folder: Path | None = None) -> Path:
 
 
 def _files(folder: Path) -> list[Path]:
-    """Files of brushes in the order in which they are listed: what is kept here, .toml, first."""
+    """Files of brushes in the order in which they are listed: what is stored here, .toml, first."""
     try:
-        found = sorted(path for path in folder.iterdir() if is_parameter_file(path.name))
+        files = sorted(path for path in folder.iterdir() if is_parameter_file(path.name))
     except OSError:
         return []
-    return sorted(found, key=lambda path: path.suffix.lower() != ".toml")[:_MOST]
+    return sorted(files, key=lambda path: path.suffix.lower() != ".toml")[:_MOST]
 
 
 def _choose_file(name: str, folder: Path) -> Path:
@@ -81,7 +81,7 @@ def _name_in(path: Path) -> str | None:
 
 
 def keep_brush(brush: BrushSpec, folder: Path | None = None) -> Path:
-    """Write a brush into the folder, over the one of the same name; where it lies now.
+    """Write a brush into the folder, over the one of the same name; return its path.
 
     One of the same name in a .json stays, and is listed no more.
 

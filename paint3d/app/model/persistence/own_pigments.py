@@ -23,7 +23,7 @@ _OUT = "none"  # in its place: the table could not be used, which was said
 
 @dataclass
 class OwnPigments:
-    """What the kept tables hold now.
+    """Contents of the user's pigment tables now.
 
     Attributes
     ----------
@@ -73,29 +73,29 @@ def check_unlike_palette(pigments: Iterable[Pigment], source: str) -> None:
 
 
 def own_pigments(tables: Mapping[str, str]) -> OwnPigments:
-    """Read the tables that were kept.
+    """Read the tables that were stored.
 
     Parameters
     ----------
     tables : mapping of str to str
         Paths, and the fingerprint of each when it was read last.
     """
-    found = OwnPigments()
+    own = OwnPigments()
     for path, fingerprint in tables.items():
         try:
             now, pigments = _read(path)
         except Paint3DError as cause:
-            found.tables[path] = _OUT
+            own.tables[path] = _OUT
             if fingerprint != _OUT:
-                found.problems.append(cause.message)
+                own.problems.append(cause.message)
             continue
         if fingerprint not in (_OUT, now):
-            found.problems.append(
+            own.problems.append(
                 Message("{file}: has changed; its pigments are as it says now", file=path)
             )
-        found.pigments.update(pigments)
-        found.tables[path] = now
-    return found
+        own.pigments.update(pigments)
+        own.tables[path] = now
+    return own
 
 
 def _read(path: str) -> tuple[str, Mapping[str, Pigment]]:

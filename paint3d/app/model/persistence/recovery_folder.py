@@ -1,4 +1,4 @@
-"""What a crash would lose, kept while painting: a base to start from, and a journal of all since.
+"""Crash recovery: a base to start from, and a journal of all since, written while painting.
 
 A recovery folder belongs to one painting. ``base-K.p3d`` is the painting at a moment,
 ``journal-K.p3dj`` all samples and commands since, in order; doing them again on the base gives the
@@ -49,13 +49,13 @@ _REFUSED = "refused"  # of a note in a journal
 _HELD: dict[Path, tuple[int, BinaryIO | None]] = {}
 """Recovery folders that this program brings back or deletes now: how often, and their locks. One
 that was stopped may go on beside the window for a while."""
-_holding = threading.Lock()
+_held_lock = threading.Lock()
 _Event = Recording | dict[str, object]
 _Piece = list[DeviceSample] | Mapping[str, object]  # of a journal
 
 
 class RecoveryFolder:
-    """Keeps one document; see `paint3d.app.model.paint_thread`.
+    """Recovery data of one document; see `paint3d.app.model.paint_thread`.
 
     Parameters
     ----------
@@ -98,20 +98,20 @@ class RecoveryFolder:
 
     @property
     def number(self) -> int:
-        """Of the journal that is written now."""
+        """Number of the current journal."""
         return self._number
 
     def append(self, samples: Iterable[DeviceSample]) -> None:
-        """Write samples down; see `Journal.append`."""
+        """Append samples; see `Journal.append`."""
         self._open_journal().append(samples)
 
     def note(self, command: Mapping[str, object]) -> None:
-        """Write a command down; see `Journal.note`."""
+        """Append a command; see `Journal.note`."""
         self._open_journal().note(command)
 
     @contextmanager
     def together(self) -> Iterator[None]:
-        """Write down at once, at the end, what comes meanwhile; see `Journal.together`.
+        """Write what is appended meanwhile at once, at the end; see `Journal.together`.
 
         The page must not be turned within.
         """
@@ -123,7 +123,7 @@ class RecoveryFolder:
         return self._journal
 
     def turn_page(self, document: Document) -> None:
-        """Start the next journal, with what no session holds; `save_base` is to follow.
+        """Start the next journal; `save_base` is to follow.
 
         All that was written down must have been painted.
 
@@ -132,7 +132,7 @@ class RecoveryFolder:
         ExportError
             If it cannot be started; the old one goes on.
         """
-        self._lay_out_page()
+        self._prepare_next_journal()
         fresh = self._next
         assert fresh is not None, "it was laid out"
         fresh.note(encode_command(document, "set_symmetry", [document.symmetry], {}))
@@ -142,11 +142,11 @@ class RecoveryFolder:
         old, self._journal, self._next = self._journal, fresh, None
         self._number += 1
         if old is not None:
-            old.let_go()
+            old.close_in_background()
             self._before = old
 
     def save_base(self, document: Document) -> None:
-        """Save the painting as it was when the page was turned; what is older can go.
+        """Save the painting as it was when the journal began; older files can go.
 
         Raises
         ------
@@ -157,23 +157,23 @@ class RecoveryFolder:
         document.save_copy(base)
         make_private(base)
         with suppress(ExportError):  # turning the page will report it
-            self._lay_out_page()
+            self._prepare_next_journal()
         with suppress(OSError):
-            self._describe(document, document.modified or self._has_undone(document))
+            self._describe(
+                document,
+                document.modified
+                or (bool(document.steps.undone) and document.steps.newest > self._in_file),
+            )
         for old in _find_numbered(self.folder, "base-") | _find_numbered(self.folder, "journal-"):
             if old[0] < self._number:
                 with suppress(OSError):
                     old[1].unlink()
 
-    def _lay_out_page(self) -> None:
-        """Make the next journal ready: turning the page waits for no disk, nor who paints on."""
+    def _prepare_next_journal(self) -> None:
+        """Create the next journal ahead, so that turning the page waits for no disk."""
         if self._next is None:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
             make_private(self._next.path)
-
-    def _has_undone(self, document: Document) -> bool:
-        """Whether something was undone, all of it perhaps, that is in no file."""
-        return bool(document.steps.undone) and document.steps.newest > self._in_file
 
     def _describe(self, document: Document, modified: bool) -> None:
         ready = 0 if self._next is None else _bytes_of(self._next.path)
@@ -188,7 +188,7 @@ class RecoveryFolder:
         self._write_about()
 
     def name_file(self, document: Document) -> None:
-        """Say to which file the painting belongs now; nothing else changes."""
+        """Note which file the painting belongs to now; nothing else changes."""
         self._in_file = document.steps.newest
         self._about |= {"path": _path_of(document), "file": document.file_state}
         with suppress(OSError):  # the next base will say it
@@ -201,7 +201,7 @@ class RecoveryFolder:
         os.replace(temporary, self.folder / _ABOUT)
 
     def close(self, keep: bool = False) -> None:
-        """End it: nothing is left to recover, unless it is to be kept."""
+        """End it: nothing is left to recover, unless `keep` is given."""
         for journal in (self._before, self._journal, self._next):
             if journal is not None:
                 with suppress(ExportError):
@@ -214,13 +214,11 @@ class RecoveryFolder:
 
 @dataclass(frozen=True, eq=False)
 class Recovered:
-    """A painting that came back.
+    """A painting that was recovered.
 
     Attributes
     ----------
     document : Document
-    n_events : int
-        Batches of samples and commands that were done again.
     loss : Loss
         What of the journals could not be read; all that came after it counts, too.
     refused : tuple of Message
@@ -228,13 +226,12 @@ class Recovered:
     """
 
     document: Document
-    n_events: int
     loss: Loss
     refused: tuple[Message, ...]
 
     @property
     def n_lost(self) -> int:
-        """How many samples what could not be read has room for."""
+        """Number of samples that would fit into what could not be read."""
         return -(-self.loss.n_bytes // SAMPLE.itemsize)
 
 
@@ -275,24 +272,53 @@ class Unfinished:
             If there is no base that can be opened, or another program has taken it up by now.
         """
         with self.held():
-            return self._recover(progress or (lambda fraction: None))
+            report = progress or (lambda fraction: None)
+            report(0.0)
+            bases = sorted(_find_numbered(self.folder, "base-"), reverse=True)
+            if not bases:
+                raise SessionError(
+                    "{folder}: it holds no painting; expected base-K.p3d",
+                    folder=self.folder,
+                )
+            first, base = bases[0]
+            document = Document.open(base)
+            journals = sorted(_find_numbered(self.folder, "journal-"))
+            events, loss = _read_journals([path for number, path in journals if number >= first])
+            known = Counter(
+                Message(str(e[_REFUSED])) for e in events if isinstance(e, dict) and _REFUSED in e
+            )
+            events = [e for e in events if not (isinstance(e, dict) and _REFUSED in e)]
+            pieces = [piece for event in events for piece in _split_event(event)]
+            report(_OPENED)
+            costs = [_replay_cost(piece) for piece in pieces]
+            done, whole = 0.0, sum(costs)
+            refused: list[Message] = []
+            for piece, cost in zip(pieces, costs, strict=True):
+                refused += _replay_piece(document, piece)
+                done += cost
+                report(_OPENED + (1.0 - _OPENED) * done / whole)
+            document.end_stroke()
+            document.set_file(self.path, self.file)
+            document.mark_modified()
+            unknown = Counter(refused) - known
+            return Recovered(document, loss, tuple(unknown.elements()))
 
     @contextmanager
     def held(self) -> Iterator[None]:
-        """Keep other programs from it meanwhile: they take it for one that goes on.
+        """Lock the folder meanwhile: other programs take its studio for a running one.
 
         Raises
         ------
         SessionError
             If another program has taken it up by now.
         """
-        with _holding:
+        with _held_lock:
             count, file = _HELD.get(self.folder, (0, None))
             _HELD[self.folder] = count + 1, file if count else self._take_lock()
         try:
             yield
         finally:
-            with _holding:
+            with _held_lock:
                 count, file = _HELD.pop(self.folder)
                 if count > 1:
                     _HELD[self.folder] = count - 1, file
@@ -319,39 +345,8 @@ class Unfinished:
             raise SessionError(taken) from None
         return file
 
-    def _recover(self, tell: Callable[[float], None]) -> Recovered:
-        tell(0.0)
-        bases = sorted(_find_numbered(self.folder, "base-"), reverse=True)
-        if not bases:
-            raise SessionError(
-                "{folder}: it holds no painting; expected base-K.p3d",
-                folder=self.folder,
-            )
-        first, base = bases[0]
-        document = Document.open(base)
-        journals = sorted(_find_numbered(self.folder, "journal-"))
-        events, loss = _read_journals([path for number, path in journals if number >= first])
-        known = Counter(
-            Message(str(e[_REFUSED])) for e in events if isinstance(e, dict) and _REFUSED in e
-        )
-        events = [e for e in events if not (isinstance(e, dict) and _REFUSED in e)]
-        pieces = [piece for event in events for piece in _split_event(event)]
-        tell(_OPENED)
-        costs = [_cost(piece) for piece in pieces]
-        done, whole = 0.0, sum(costs)
-        refused: list[Message] = []
-        for piece, cost in zip(pieces, costs, strict=True):
-            refused += _replay_piece(document, piece)
-            done += cost
-            tell(_OPENED + (1.0 - _OPENED) * done / whole)
-        document.end_stroke()
-        document.set_file(self.path, self.file)
-        document.mark_modified()
-        unknown = Counter(refused) - known
-        return Recovered(document, len(events), loss, tuple(unknown.elements()))
-
     def discard(self) -> None:
-        """Delete it for good, unless another program has taken it up by now."""
+        """Delete it for good, unless another program has locked it by now."""
         with suppress(SessionError), self.held():
             shutil.rmtree(self.folder, ignore_errors=True)
 
@@ -363,21 +358,21 @@ def recoverable(folder: Path | None = None) -> list[Unfinished]:
     ended long ago while they began.
     """
     root = recovery_folder() if folder is None else folder
-    found = []
+    unfinished = []
     with suppress(OSError):
         for own in sorted(root.iterdir()):
             has_begun = (own / _ABOUT).is_file()  # asked first: one that begins now locks first
             if is_locked(own / _LOCK) and own not in _HELD:  # somebody else goes on with it
                 continue
             if has_begun:
-                found += _find_unfinished(own)
-            elif _never_began(own):
+                unfinished += _find_unfinished(own)
+            elif _holds_nothing(own):
                 shutil.rmtree(own, ignore_errors=True)
-    return sorted(found, key=lambda one: one.time_s, reverse=True)
+    return sorted(unfinished, key=lambda one: one.time_s, reverse=True)
 
 
 def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) -> bool:
-    """Whether a studio that is running has this session's file, besides what this program has.
+    """Return whether another running studio has this session's file open.
 
     Parameters
     ----------
@@ -400,7 +395,7 @@ def is_open_elsewhere(path: Path, own: Path | None, folder: Path | None = None) 
 
 
 def refusal(error: Paint3DError) -> dict[str, object]:
-    """What a journal says of something that could not be done."""
+    """Note for a journal that something could not be done."""
     return {_REFUSED: error.message}
 
 
@@ -409,7 +404,7 @@ def _keeping_error(root: Path, cause: OSError) -> ExportError:
 
 
 def _read_journals(journals: Sequence[Path]) -> tuple[list[_Event], Loss]:
-    """What was asked for, in order, up to the first damage, and what is lost from there on."""
+    """Events in order, up to the first damage, and the loss from there on."""
     events: list[_Event] = []
     for k, journal in enumerate(journals):
         later = sum(_bytes_of(path) for path in journals[k + 1 :])
@@ -449,8 +444,8 @@ def _find_unfinished(folder: Path) -> list[Unfinished]:
         return []
 
 
-def _never_began(folder: Path) -> bool:
-    """Whether its studio ended before it wrote what it is about: it holds no painting."""
+def _holds_nothing(folder: Path) -> bool:
+    """Return whether its studio ended before it described the folder: it holds no painting."""
     process, _, began = folder.name.partition("-")
     with suppress(OSError):
         is_old = time.time() - folder.stat().st_mtime > _BEGINS_S
@@ -462,24 +457,24 @@ def _never_began(folder: Path) -> bool:
 
 def _find_numbered(folder: Path, prefix: str) -> set[tuple[int, Path]]:
     """The files PREFIX-K.* with their K."""
-    found = set()
+    numbered = set()
     for file in folder.glob(f"{prefix}*"):
         digits = file.name.removeprefix(prefix).split(".")[0]
         if digits.isdigit():
-            found.add((int(digits), file))
-    return found
+            numbered.add((int(digits), file))
+    return numbered
 
 
 def _split_event(event: Recording | Mapping[str, object]) -> list[_Piece]:
-    """A command, or samples in pieces that take well below a second."""
+    """Split samples into pieces that take well below a second; a command stays whole."""
     if not isinstance(event, Recording):
         return [event]
     samples = list(event.samples())
     return [samples[k : k + _AT_ONCE] for k in range(0, len(samples), _AT_ONCE)]
 
 
-def _cost(piece: _Piece) -> float:
-    """What doing it again takes, roughly, in samples."""
+def _replay_cost(piece: _Piece) -> float:
+    """Rough cost of replaying a piece, in samples."""
     if isinstance(piece, list):
         return float(len(piece))
     command = COMMANDS.get(str(piece.get("do")))
@@ -487,7 +482,7 @@ def _cost(piece: _Piece) -> float:
 
 
 def _replay_piece(document: Document, piece: _Piece) -> list[Message]:
-    """Do it; what was refused, as it was when it happened first."""
+    """Replay a piece; return the message of its refusal, if it is refused again."""
     try:
         if isinstance(piece, list):
             document.feed(piece)

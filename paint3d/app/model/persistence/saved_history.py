@@ -1,4 +1,4 @@
-"""The way back of a document as a session keeps it: its steps, and what the painter remembered.
+"""Undo history of a document in a session: its steps, and what the painter remembered.
 
 A step of the history is a stroke or a word. What a painter remembers between strokes is its brush,
 its ink, and what single hairs hold; the steps say how the surface was (`surface.undo_state`).
@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from paint3d.app.model.laid_text import packed_texts, unpacked_texts
+from paint3d.app.model.laid_text import pack_texts, unpack_texts
 from paint3d.app.model.persistence.brush_words import brush_from_words, brush_words
 from paint3d.app.model.persistence.saved_settings import saved_mixture
 from paint3d.app.model.stroke_log import Stroke, weights_of
@@ -39,7 +39,7 @@ _MOST_BRUSHES = 1000
 _MOST_HAIRS = 1_000_000  # of all brushes together
 _LONGEST_LABEL = 100
 
-Kept = Mapping[str, Any]
+PainterState = Mapping[str, Any]
 
 
 def saved_history(
@@ -64,7 +64,7 @@ def saved_history(
         What `undo_state` says, and: done and undone, a word for each step, the last of undone is
         the next; brushes, as `brush_words` has them; painters, what was remembered: place of its
         brush, hairs (their properties or None), ink, what it was dipped in, weights by name, and
-        amount, as `DipAmount.words`, where that is not the preset's; texts, as `packed_texts` has
+        amount, as `DipAmount.words`, where that is not the preset's; texts, as `pack_texts` has
         them.
         Of the K paintings painter, text (K,) int32, loaded (K,) float64, dipped (K,) uint8, and the
         columns hair_loads (B, P) and hair_memory float64, empty without hairs.
@@ -84,12 +84,12 @@ def _label_word(label: object, current: Stroke | None) -> str:
     return str(label)
 
 
-def _pack_painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
+def _pack_painters(states: Sequence[PainterState], n_pigments: int) -> dict[str, Any]:
     brushes: dict[BrushSpec, int] = {}
     painters: dict[str, dict[str, Any]] = {}
-    places: dict[str, int] = {}
-    of = np.empty(len(kept), np.int32)
-    for k, one in enumerate(kept):
+    numbers: dict[str, int] = {}
+    of = np.empty(len(states), np.int32)
+    for k, one in enumerate(states):
         painter = one["painter"]
         hairs = painter["hairs"]
         words = {
@@ -102,20 +102,20 @@ def _pack_painters(kept: Sequence[Kept], n_pigments: int) -> dict[str, Any]:
             words["amount"] = painter["amount"].words()
         key = json.dumps(words)
         painters.setdefault(key, words)
-        of[k] = places.setdefault(key, len(places))
+        of[k] = numbers.setdefault(key, len(numbers))
     texts: dict[str, int] = {}
-    for one in kept:
+    for one in states:
         texts.setdefault(one["texts"], len(texts))
-    of_hairs = [one["painter"]["of_hairs"] or _NO_HAIRS for one in kept]
+    of_hairs = [one["painter"]["of_hairs"] or _NO_HAIRS for one in states]
     loads = [np.pad(h["load"], ((0, 0), (0, n_pigments - h["load"].shape[1]))) for h in of_hairs]
     return {
         "brushes": [brush_words(brush) for brush in brushes],
         "painters": list(painters.values()),
         "painter": of,
-        "loaded": np.array([one["painter"]["loaded"] for one in kept], np.float64),
-        "dipped": np.array([one["dipped"] for one in kept], np.uint8),
+        "loaded": np.array([one["painter"]["loaded"] for one in states], np.float64),
+        "dipped": np.array([one["dipped"] for one in states], np.uint8),
         "texts": list(texts),
-        "text": np.array([texts[one["texts"]] for one in kept], np.int32),
+        "text": np.array([texts[one["texts"]] for one in states], np.int32),
         **pack_arrays("hair_loads", loads, np.float64, (n_pigments,)),
         **pack_arrays("hair_memory", [h["memory"] for h in of_hairs], np.float64),
     }
@@ -131,7 +131,7 @@ def restore_history(
     strokes: Sequence[Stroke],
     undone: Sequence[Stroke],
 ) -> int:
-    """Let a document that was opened have the steps that were saved with it.
+    """Restore the undo steps that were saved with a document.
 
     Parameters
     ----------
@@ -166,8 +166,8 @@ def restore_history(
             )
         done_labels = _unpack_labels(words[0], iter(strokes[len(strokes) - n_done :]))
         undone_labels = _unpack_labels(words[1], iter(undone))
-        kept = _unpack_kept(surface, state)
-        restore_undo(surface, history, state["steps"], done_labels, undone_labels, kept)
+        states = _unpack_states(surface, state)
+        restore_undo(surface, history, state["steps"], done_labels, undone_labels, states)
     except SessionError:
         raise
     except (KeyError, TypeError, AttributeError, ValueError, IndexError) as cause:
@@ -185,11 +185,11 @@ def _unpack_labels(words: Sequence[Any], strokes: Iterator[Stroke]) -> list[obje
     return [next(strokes) if word == _STROKE else word for word in words]
 
 
-def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept]:
-    """What the painter remembered, as `Document` restores it."""
+def _unpack_states(surface: PaintedSurface, state: Mapping[str, Any]) -> list[PainterState]:
+    """Unpack what the painter remembered, as `Document` restores it."""
     of = np.asarray(state["painter"])
     count, p = len(of), len(surface.pigments)
-    makers = _makers(surface, state)
+    makers = _painter_factories(surface, state)
     if of.dtype != np.int32 or (count and not 0 <= of.min() <= of.max() < len(makers)):
         raise SessionError(
             "painters are numbered as {of_dtype}; expected int32 below {n}",
@@ -207,7 +207,7 @@ def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept
         )
     loads = unpack_arrays(state, "hair_loads", count, np.float64, (p,))
     memories = unpack_arrays(state, "hair_memory", count, np.float64)
-    texts = [packed_texts(unpacked_texts(packed)) for packed in state["texts"]]
+    texts = [pack_texts(unpack_texts(packed)) for packed in state["texts"]]
     of_texts = np.asarray(state["text"])
     if of_texts.shape != of.shape or of_texts.dtype != np.int32:
         raise SessionError(
@@ -231,7 +231,9 @@ def _unpack_kept(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Kept
     ]
 
 
-def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[..., Kept]]:
+def _painter_factories(
+    surface: PaintedSurface, state: Mapping[str, Any]
+) -> list[Callable[..., PainterState]]:
     """For each painter what makes what it remembers from loads and hairs."""
     if len(state["brushes"]) > _MOST_BRUSHES or len(state["painters"]) > 10 * _MOST_BRUSHES:
         raise SessionError(
@@ -239,20 +241,20 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
             n=len(state["brushes"]),
             most=_MOST_BRUSHES,
         )
-    brushes = [_brush(words, surface) for words in state["brushes"]]
+    brushes = [_unpack_brush(words, surface) for words in state["brushes"]]
     inks = {**load_palette(), WATER.name: WATER} | {ink.name: ink for ink in surface.pigments}
     tufts: dict[tuple[int, BristleSpec | None], HairTuft | None] = {}
     makers, n_hairs = [], 0
     for words in state["painters"]:
-        place, hairs = words["brush"], words["hairs"]
-        if type(place) is not int or not 0 <= place < len(brushes):
+        number, hairs = words["brush"], words["hairs"]
+        if type(number) is not int or not 0 <= number < len(brushes):
             raise SessionError(
                 "a painter has brush {place!r:.20}; expected a number below {n}",
-                place=place,
+                place=number,
                 n=len(brushes),
             )
         spec = None if hairs is None else BristleSpec(**hairs)
-        key = place, spec
+        key = number, spec
         if key not in tufts:
             n_hairs += 0 if spec is None else spec.n_hairs
             if n_hairs > _MOST_HAIRS:
@@ -261,28 +263,28 @@ def _makers(surface: PaintedSurface, state: Mapping[str, Any]) -> list[Callable[
                     n_hairs=n_hairs,
                     most=_MOST_HAIRS,
                 )
-            tufts[key] = None if spec is None else HairTuft(brushes[place]["brush"], spec)
+            tufts[key] = None if spec is None else HairTuft(brushes[number]["brush"], spec)
         amount = DipAmount.of(words.get("amount", {}))
         about = {
-            **brushes[place],
+            **brushes[number],
             "amount": amount,
-            "tuft": amount.of_tuft(brushes[place]["tuft"]),
+            "tuft": amount.of_tuft(brushes[number]["tuft"]),
             "ink": inks[words["ink"]],
             "_dipped": saved_mixture(words["dipped"], surface),
             "hairs": tufts[key],
         }
-        makers.append(_maker(about))
+        makers.append(_painter_factory(about))
     return makers
 
 
-def _brush(words: Mapping[str, Any], surface: PaintedSurface) -> dict[str, Any]:
+def _unpack_brush(words: Mapping[str, Any], surface: PaintedSurface) -> dict[str, Any]:
     brush = brush_from_words(words)
     tuft = tuft_on(brush, surface.material)
     return {"brush": brush, "tuft": tuft, "curves": build_curves(brush.inputs)}
 
 
-def _maker(about: Mapping[str, Any]) -> Callable[..., Kept]:
-    def make(loaded: float, load: AnyArray, memory: AnyArray) -> Kept:
+def _painter_factory(about: Mapping[str, Any]) -> Callable[..., PainterState]:
+    def make(loaded: float, load: AnyArray, memory: AnyArray) -> PainterState:
         of_hairs, hairs = None, about["hairs"]
         if hairs is not None:
             memory = complete_memory(memory)

@@ -129,7 +129,7 @@ def chosen_material(settings: Settings) -> str:
 
 
 def chosen_inks(settings: Settings) -> list[Mixture | str | Pigment]:
-    """The two inks that a user had at hand last; the default in the place of any other."""
+    """The two inks that a user had at hand last; the default in place of any other."""
     palette = {*load_palette(), WATER.name}
     own = own_pigments(settings.pigment_tables).pigments if settings.pigment_tables else {}
     inks: list[Mixture | str | Pigment] = []
@@ -154,7 +154,7 @@ class InHand(TypedDict, total=False):
 def in_hand(brush: BrushSpec, inks: Sequence[Mixture | str | Pigment]) -> InHand:
     """The settings that `chosen_brush` and `chosen_inks` read."""
     name = brush.name.split(" @")[0]
-    settings: InHand = {"inks": tuple(_as_chosen(ink) for ink in inks)}
+    settings: InHand = {"inks": tuple(_chosen_ink(ink) for ink in inks)}
     made = load_brush(name) if name in brush_names() else own_brushes()[0].get(name)
     if made is not None:
         as_made = made.length_mm == brush.length_mm
@@ -163,7 +163,7 @@ def in_hand(brush: BrushSpec, inks: Sequence[Mixture | str | Pigment]) -> InHand
     return settings
 
 
-def _as_chosen(ink: Mixture | str | Pigment) -> dict[str, float] | str:
+def _chosen_ink(ink: Mixture | str | Pigment) -> dict[str, float] | str:
     parts = weights_of(ink)
     return next(iter(parts)) if len(parts) == 1 else parts
 

@@ -1,4 +1,4 @@
-"""What a user has chosen, kept as JSON in the user's config folder."""
+"""What a user has chosen, stored as JSON in the user's config folder."""
 
 from __future__ import annotations
 
@@ -32,7 +32,6 @@ from paint3d.pose.mouse_settings import MouseSettings
 
 __all__ = [
     "Settings",
-    "calibration_file",
     "load_settings",
     "save_settings",
     "store_calibration",
@@ -126,7 +125,7 @@ class Settings:
     feel : dict of str to float
         What of a haptic stylus is the user's choice: see `Feel`.
     window : dict
-        What the window keeps for itself: size, place, panels.
+        What the window keeps for itself: size, position, panels.
     exports : dict
         What was chosen last for exports and films.
     signer : str
@@ -232,11 +231,11 @@ class Settings:
 
     @property
     def mouse_steadiness(self) -> float:
-        """How steady strokes of a mouse are, 0 to 1."""
+        """Steadiness of a mouse's strokes, 0 to 1."""
         return MOUSE_STEADY if self.mouse_smoothing is None else self.mouse_smoothing
 
     def wants_wet(self, material: Material) -> bool:
-        """Whether ink spreads on a material: as was chosen, else as the material asks for."""
+        """Return whether ink spreads on a material: as chosen, else as the material asks for."""
         if self.wet is not None:
             return self.wet
         if material.name in load_materials():
@@ -244,7 +243,7 @@ class Settings:
         return material.pores_mm > 0.0 and material.absorbency >= _DRINKS
 
     def with_recent(self, path: str | os.PathLike[str]) -> Settings:
-        """With a file at the head of the recent ones."""
+        """Settings with a file at the head of the recent ones."""
         own = os.path.abspath(path)
         others = tuple(other for other in self.recent if other != own)
         return dataclasses.replace(self, recent=(own, *others)[:_MOST_RECENT])
@@ -272,7 +271,7 @@ def _file(folder: Path | None) -> Path:
 
 
 def load_settings(folder: Path | None = None) -> tuple[Settings, Message | None]:
-    """What was saved; the defaults where nothing was, or where it cannot be used.
+    """Read the saved settings; the defaults where there are none that can be used.
 
     A file that cannot be used is set aside, never written over.
 
@@ -293,7 +292,7 @@ def load_settings(folder: Path | None = None) -> tuple[Settings, Message | None]
         if usual is not None and os.access(_file(usual), os.R_OK):
             file = _file(usual)
     try:
-        return _parse(file.read_text("utf-8")), None
+        return _parse_settings(file.read_text("utf-8")), None
     except FileNotFoundError:
         return Settings(), None
     except (OSError, ValueError, RecursionError, Paint3DError) as cause:
@@ -320,11 +319,11 @@ def _set_aside(file: Path) -> str | None:
     return aside.name
 
 
-def _parse(text: str) -> Settings:
-    found = json.loads(text, parse_constant=lambda name: math.nan)
-    if not isinstance(found, dict):
-        raise InputError("it holds a {kind}; expected settings by name", kind=type(found).__name__)
-    version = found.pop("version", None)
+def _parse_settings(text: str) -> Settings:
+    saved = json.loads(text, parse_constant=lambda name: math.nan)
+    if not isinstance(saved, dict):
+        raise InputError("it holds a {kind}; expected settings by name", kind=type(saved).__name__)
+    version = saved.pop("version", None)
     if isinstance(version, bool) or version not in (1, VERSION):
         raise InputError(
             "its version is {version!r}; expected {expected}",
@@ -332,9 +331,9 @@ def _parse(text: str) -> Settings:
             expected=VERSION,
         )
     if version == 1:
-        found.pop("wet", None)  # was written by itself, and never chosen
+        saved.pop("wet", None)  # was written by itself, and never chosen
     known = {own.name for own in dataclasses.fields(Settings)}
-    values = {name: value for name, value in found.items() if name in known}
+    values = {name: value for name, value in saved.items() if name in known}
     for name in ("inks", "mixtures", "recent", "favourite_brushes", "pressure_curve"):
         if isinstance(values.get(name), list):
             values[name] = tuple(
@@ -370,35 +369,35 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
 
 
 # ---- Calibrations --------------------------------------------------------------------------------
-# Where devices stand in the world, kept in the user's settings folder by device.
+# Where devices stand in the world, stored in the user's settings folder by device.
 
 
-def calibration_file(key: str) -> Path:
-    """Where a device's calibration is kept, by its key (`FoundStylus.key`)."""
+def _calibration_file(key: str) -> Path:
+    """Path of a device's calibration, by its key (`FoundStylus.key`)."""
     return config_folder() / "calibrations" / f"{key}.json"
 
 
 def stored_calibration(key: str) -> DeviceCalibration | None:
-    """A device's calibration; None where none was kept.
+    """A device's calibration; None where none was stored.
 
     Raises
     ------
     DeviceError
         If the file is none.
     """
-    file = calibration_file(key)
+    file = _calibration_file(key)
     return load_calibration(file) if file.is_file() else None
 
 
 def store_calibration(key: str, calibration: DeviceCalibration) -> Path:
-    """Keep a device's calibration; the file.
+    """Store a device's calibration; return its path.
 
     Raises
     ------
     DeviceError
         If it cannot be written.
     """
-    file = calibration_file(key)
+    file = _calibration_file(key)
     try:
         file.parent.mkdir(parents=True, exist_ok=True)
     except OSError as cause:

@@ -1,1 +1,1 @@
-"""Whole paintings as recordings: kept while they are painted, played again, edited."""
+"""Whole paintings as recordings: written while they are painted, played again, edited."""

@@ -64,7 +64,7 @@ class InkTable:
         Of the score's header: properties of pigments that are no palette's, by name; what is
         named comes into it.
     apart : bool
-        Whether a second ink of the same name is told from the first by a number.
+        Whether a second ink of the same name is distinguished from the first by a number.
     own_tables : bool
         Whether an ink may be that of a table on this machine; not where a file names it.
     """
@@ -81,12 +81,12 @@ class InkTable:
         return cls(dict(words.get("pigments", {})), apart=apart)
 
     def encode(self, ink: str | Pigment | Mapping[Any, float]) -> str | dict[str, float]:
-        """How a score writes an ink, or a mixture of several.
+        """Encode an ink, or a mixture of several.
 
         Raises
         ------
         RecordingError
-            If there are two inks of one name, and they are not told apart.
+            If there are two inks of one name, and they are not distinguished.
         Paint3DError
             If an ink is not known, or of a table that may not be read.
         """
@@ -107,7 +107,8 @@ class InkTable:
             known = self._known(name)
             if known is None:
                 self._own[name] = pigment
-                self.table[name] = _encode_pigment(pigment)
+                given = record_words(pigment)
+                self.table[name] = {k: v for k, v in given.items() if v is not None and k != "name"}
                 if name != pigment.name:
                     self.table[name]["name"] = pigment.name
                 return name
@@ -125,7 +126,7 @@ class InkTable:
             return None
 
     def decode(self, words: str | Mapping[str, float]) -> str | Pigment | dict[Any, float]:
-        """The ink that a score writes so.
+        """Decode the ink that a score writes so.
 
         Raises
         ------
@@ -146,13 +147,8 @@ class InkTable:
         return self._own.get(name) or load_pigment(name, own_tables=False)
 
 
-def _encode_pigment(pigment: Pigment) -> JsonObject:
-    given = record_words(pigment)
-    return {k: v for k, v in given.items() if v is not None and k != "name"}
-
-
 def encode_brush(brush: BrushSpec) -> str | JsonObject:
-    """How a score says a brush: by its name where it is a preset, else with all its parameters."""
+    """Encode a brush: by its name where it is a preset, else with all its parameters."""
     if brush.name in brush_names() and load_brush(brush.name) == brush:
         return brush.name
     return brush_words(brush)
@@ -190,7 +186,7 @@ def make_header(
     ink: str | Pigment | Mapping[Any, float],
     inks: InkTable,
 ) -> JsonObject:
-    """What a header says of the object, and of the brush that is in hand at the beginning."""
+    """Header of a score: the object, and the brush in hand at the beginning."""
     original, first = surface.original, JsonObject()
     if original is not None:
         first["painted_on"] = _encode_mesh(original.mesh, original.resolution)
@@ -239,7 +235,7 @@ def decode_material(header: Mapping[str, Any]) -> Material:
 
 @dataclass(frozen=True)
 class Vocabulary:
-    """What the fields of a line refer to.
+    """Objects that the fields of a line refer to.
 
     Attributes
     ----------
@@ -260,7 +256,7 @@ _Conversion = Callable[[Mapping[str, Any], Vocabulary], dict[str, Any]]
 
 @dataclass(frozen=True)
 class Codec:
-    """How the arguments of a command are written down and read.
+    """Encoding and decoding of a command's arguments.
 
     Attributes
     ----------
@@ -404,7 +400,7 @@ def _encode_mask(arguments: Mapping[str, Any], vocabulary: Vocabulary) -> JsonOb
         fields["regions"] = [
             {
                 **({"face": int(pick.face)} if vocabulary.exact
-                   else {"at": _middle_of(vocabulary.surface, pick.face)}),
+                   else {"at": _face_centre(vocabulary.surface, pick.face)}),
                 "up_to": pick.up_to,
                 "degrees": pick.degrees,
             }
@@ -413,7 +409,7 @@ def _encode_mask(arguments: Mapping[str, Any], vocabulary: Vocabulary) -> JsonOb
     return fields | ({"inverted": True} if mask.inverted else {})
 
 
-def _middle_of(surface: PaintedSurface, face: int) -> list[float]:
+def _face_centre(surface: PaintedSurface, face: int) -> list[float]:
     mesh = surface.paint_mesh
     if not 0 <= face < len(mesh.base_faces):
         raise RecordingError("face {face} is none of the object's", face=face)

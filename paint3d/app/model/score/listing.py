@@ -17,7 +17,7 @@ from paint3d.recording.recording import Recording
 from paint3d.recording.score import Score
 from paint3d.recording.score_steps import follow_steps
 
-__all__ = ["ListedStroke", "listed_strokes"]
+__all__ = ["ListedStroke", "list_strokes"]
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class ListedStroke:
     became: str
 
 
-def listed_strokes(score: Score) -> list[ListedStroke]:
+def list_strokes(score: Score) -> list[ListedStroke]:
     """The strokes of a score, in order.
 
     Raises
@@ -109,9 +109,9 @@ def _ink_text(ink: str | Mapping[str, float]) -> str:
 
 
 def _length_mm(part: Recording) -> float:
-    """How long the way is on which the brush is pressed, in the object's frame."""
-    way = brush_poses(part).way
-    steps = np.linalg.norm(np.diff(way, axis=0), axis=1)
+    """Length of the path along which the brush is pressed, in the object's frame."""
+    path = brush_poses(part).way
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     if part.pressure is not None:
         down = part.pressure > 0.0
         steps = steps[down[1:] | down[:-1]]

@@ -41,7 +41,7 @@ def begun(
     material: Material | None = None,
     painted_on: TriangleMesh | None = None,
 ) -> Document:
-    """A painting that begins as the score's did.
+    """Start a painting as the score's was.
 
     Parameters
     ----------
@@ -83,13 +83,13 @@ def begun(
 def _original(
     header: Mapping[str, Any], mesh: TriangleMesh, painted_on: TriangleMesh | None
 ) -> Original | None:
-    """What the score was painted on, where that may be known and another mesh.
+    """Mesh that the score was painted on, where that is known and another one.
 
     A file may be called like a built-in object: only what has the digest that the header says is
     that object. Scores from before headers said it are believed by the name.
     """
-    said = header.get("painted_on", header)  # it was itself played on an object meshed anew
-    digest, resolution = said.get("mesh"), said.get("resolution_mm", _RESOLUTION_MM)
+    described = header.get("painted_on", header)  # it was itself played on an object meshed anew
+    digest, resolution = described.get("mesh"), described.get("resolution_mm", _RESOLUTION_MM)
     if resolution is None:
         return None
     if painted_on is not None:
@@ -102,8 +102,8 @@ def _original(
         return Original(painted_on, resolution)
     if digest == digest_of(mesh):
         return Original(mesh, resolution)
-    if isinstance(said.get("object"), str) and is_built_in(said["object"]):
-        built_in = load_mesh(said["object"])
+    if isinstance(described.get("object"), str) and is_built_in(described["object"]):
+        built_in = load_mesh(described["object"])
         if digest in (None, digest_of(built_in)):
             return Original(built_in, resolution)
     return None

@@ -1,4 +1,4 @@
-"""Recorder of a document's score: all that is asked of it, as it is asked."""
+"""Recorder of a document's score: its commands and samples, in order."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["ScoreRecorder", "recorded"]
 
 
 class _Recorded(Protocol):
-    """What a document has for its methods to be recorded."""
+    """Interface that a document has for its methods to be recorded."""
 
     recorder: ScoreRecorder | None
     check_access: Callable[[], None]
@@ -67,7 +67,7 @@ _Event = dict[str, Any] | _SampleRun
 
 
 class ScoreRecorder:
-    """Writes down what a document is asked for.
+    """Records the commands and samples that a document receives.
 
     Parameters
     ----------
@@ -96,7 +96,7 @@ class ScoreRecorder:
 
     @classmethod
     def begin(cls, surface: PaintedSurface, painter: Painter) -> ScoreRecorder | None:
-        """For a painting that begins; None where there is something already."""
+        """For a new painting; None where there is something already."""
         untouched = surface.n_vertices == surface.paint_mesh.n_base_vertices
         if not untouched or surface.painted.any() or painter.loaded != painter.in_brush():
             return None
@@ -111,7 +111,7 @@ class ScoreRecorder:
 
     @classmethod
     def going_on(cls, saved: Session) -> ScoreRecorder | None:
-        """For a painting that was saved; None where it is not known what had been done to it."""
+        """For a painting from a session; None where its past is not known."""
         is_whole, n_strokes = saved.score is not None, len(saved.strokes)
         known = saved.score if is_whole else saved.later
         if known is not None:
@@ -141,7 +141,7 @@ class ScoreRecorder:
 
     @contextmanager
     def suspended(self) -> Iterator[None]:
-        """Write nothing down meanwhile: it belongs to what is being done."""
+        """Record nothing meanwhile: it is part of the current command."""
         self.is_suspended = True
         try:
             yield
@@ -149,7 +149,7 @@ class ScoreRecorder:
             self.is_suspended = False
 
     def feed(self, samples: Sequence[DeviceSample]) -> None:
-        """Write samples down."""
+        """Record samples."""
         last = self._events[-1] if self._events else None
         if isinstance(last, _SampleRun):
             last.extend(samples)
@@ -157,7 +157,7 @@ class ScoreRecorder:
             self._events.append(_SampleRun(samples))
 
     def command(self, name: str, arguments: Mapping[str, Any], surface: PaintedSurface) -> None:
-        """Write a command down.
+        """Record a command.
 
         Raises
         ------
@@ -173,12 +173,14 @@ class ScoreRecorder:
             last["times"] = last.get("times", 1) + 1
             return
         again = isinstance(last, dict) and last["do"] == name and not last.get("refused")
-        if name == "replay_history" and again:  # only the last place that was looked at matters
+        if name == "replay_history" and again:  # only the last position that was looked at matters
             self._events.pop()
         self._events.append(line)
 
-    def refused(self, name: str, arguments: Mapping[str, Any], surface: PaintedSurface) -> None:
-        """Write down what was refused: it may have changed something before it was."""
+    def record_refusal(
+        self, name: str, arguments: Mapping[str, Any], surface: PaintedSurface
+    ) -> None:
+        """Record a refused command: it may have changed something before."""
         vocabulary = Vocabulary(surface, self._inks)
         try:
             line = {**encode_line(name, arguments, vocabulary), "refused": True}
@@ -188,7 +190,7 @@ class ScoreRecorder:
         self._events.append(line)
 
     def score(self, object_name: str) -> Score:
-        """All of it."""
+        """Score of everything recorded."""
         own = {"pigments": dict(self._inks.table)} if self._inks.table else {}
         events = [
             event.recording() if isinstance(event, _SampleRun) else dict(event)
@@ -203,7 +205,7 @@ class ScoreRecorder:
 def recorded(
     method: Callable[Concatenate[_Document, _P], _Result],
 ) -> Callable[Concatenate[_Document, _P], _Result]:
-    """Let a method of `Document` write down what it is asked for in the document's `recorder`.
+    """Record calls of a method of `Document` in the document's `recorder`.
 
     Its command stands in `app.model.commands`. What a method asks of the document meanwhile belongs
     to it, and is not written down by itself.
@@ -228,17 +230,19 @@ def recorded(
                 done = method(document, *arguments, **options)
         except Paint3DError:
             if document.recorder is recorder:
-                recorder.refused(command.name, bound_arguments(), document.surface)
+                recorder.record_refusal(command.name, bound_arguments(), document.surface)
             raise
         if document.recorder is recorder:
-            _write(document, command, bound_arguments(), done)
+            _record_done(document, command, bound_arguments(), done)
         return done
 
     return wrapper
 
 
-def _write(document: _Recorded, command: Command, arguments: dict[str, Any], done: object) -> None:
-    """Write down what was done; a score that cannot say it is a score no longer."""
+def _record_done(
+    document: _Recorded, command: Command, arguments: dict[str, Any], done: object
+) -> None:
+    """Record a finished command; a score that cannot encode it is dropped."""
     name = command.written_as or command.name
     if name == "begin_stroke":
         arguments["time_s"] = document.current_stroke.time_s

@@ -1,4 +1,4 @@
-"""A score step by step: what a document is asked for, in order and in time."""
+"""A score step by step: its commands and samples, in order and in time."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ _AT_ONCE = 256  # samples between two looks at whether it goes on
 
 @dataclass(frozen=True, eq=False)
 class PlaybackStep:
-    """Something to be done: samples of the stroke that goes on, or a command.
+    """A step to play: samples of the stroke that goes on, or a command.
 
     Attributes
     ----------
     event : int
-        Its place in the score.
+        Its index in the score.
     samples : list of DeviceSample
     command : str
         Name of a method of `Document`; empty for samples.
@@ -59,8 +59,8 @@ class PlaybackStep:
     fraction: float
 
 
-def _steps_of(score: Score, surface: PaintedSurface, first: int) -> Iterator[PlaybackStep]:
-    """What is to be done from an event on, in order; each is made when those before it are done.
+def _make_steps(score: Score, surface: PaintedSurface, first: int) -> Iterator[PlaybackStep]:
+    """Yield the steps from an event on; each is made when those before it are done.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def play(document: Any, score: Score, first: int = 0) -> Iterator[PlaybackStep]:
         ``file:line: what is wrong`` where something cannot be done, except what was refused when it
         was asked for first.
     """
-    for step in _steps_of(score, document.surface, first):
+    for step in _make_steps(score, document.surface, first):
         try:
             if step.samples:
                 document.feed(step.samples)
@@ -156,7 +156,7 @@ _OF_INK = frozenset({"follow_time", "let_time_pass"})
 
 @dataclass(frozen=True, eq=False)
 class Cue:
-    """Something to be done at a time: samples of the stroke that goes on, or a command.
+    """Samples of the stroke that goes on, or a command, and their time.
 
     Attributes
     ----------
@@ -176,7 +176,7 @@ class Cue:
 
 
 def seconds_of(score: Score) -> float:
-    """How long a score takes at the hand's own speed, s."""
+    """Duration of a score at the hand's own speed, s."""
     clock = HandTime()
     for event in score.events:
         if isinstance(event, Recording):
@@ -202,13 +202,13 @@ def in_pieces(score: Score, n: int = 1) -> Score:
 def pass_step(clock: HandTime, step: PlaybackStep) -> None:
     """Count a step that has been done."""
     if step.samples:
-        clock.pass_samples(_times(step.samples))
+        clock.pass_samples(np.array([sample.time_ns for sample in step.samples], np.int64))
     else:
         _pass_command(clock, step.command, step.options, 1)
 
 
 def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
-    """What is to be done, and when; samples one by one.
+    """Yield what is to be done, and when; samples one by one.
 
     Parameters
     ----------
@@ -235,10 +235,6 @@ def cues_of(score: Score, surface: PaintedSurface) -> Iterator[Cue]:
 
 
 def _pass_command(clock: HandTime, name: str, options: Mapping[str, Any], times: int) -> None:
-    """Count what was asked for; it takes time only where ink is left to spread."""
+    """Count a command; it takes time only where ink is left to spread."""
     if name in _OF_INK:
         clock.pass_ink(float(options["seconds"]) * times)
-
-
-def _times(samples: list[DeviceSample]) -> Any:
-    return np.array([sample.time_ns for sample in samples], np.int64)

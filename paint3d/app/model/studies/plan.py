@@ -37,7 +37,7 @@ _MOST_TRIALS = 100
 
 @dataclass(frozen=True)
 class Trial:
-    """One character to paint.
+    """A character to paint.
 
     Attributes
     ----------
@@ -163,7 +163,7 @@ def make_plan(
 
 
 def _williams(n: int) -> list[list[int]]:
-    """Orders of n things in which each stands in each place, and after each other, equally often.
+    """Orders of n things in which each stands at each position and after each other equally often.
 
     Williams, Australian Journal of Scientific Research A 2 (1949) 149.
     """
@@ -227,14 +227,14 @@ def load_plan(folder: Path) -> StudyPlan:
 
 @dataclass(frozen=True)
 class Answer:
-    """What a participant prefers: a device set, or `NEITHER`; and what they said of it."""
+    """Preference of a participant: a device set, or `NEITHER`; and a comment."""
 
     prefers: str
     comment: str = ""
 
 
 def save_answer(folder: Path, plan: StudyPlan, participant: str, answer: Answer) -> Path:
-    """Write down what a participant prefers; an answer given again takes the place of the first.
+    """Write down what a participant prefers; an answer given again replaces the first.
 
     Raises
     ------
@@ -254,7 +254,7 @@ def save_answer(folder: Path, plan: StudyPlan, participant: str, answer: Answer)
 
 
 def load_answers(folder: Path, plan: StudyPlan) -> dict[str, Answer]:
-    """What participants of a study prefer, by their names; none who was not asked.
+    """Read the participants' answers by name; only of those who were asked.
 
     Raises
     ------

@@ -48,9 +48,9 @@ def page_of(table: StudyTable) -> str:
         f"{plan.trials} of each, {plan.em_mm:g} mm. Mean over each participant's trials.</p>",
     ]
     for name, unit, value in _SHOWN:
-        found = {devices: table.by_participant(devices, value) for devices in plan.devices}
-        if any(found.values()):
-            parts.append(_figure(name, unit, found))
+        by_devices = {devices: table.by_participant(devices, value) for devices in plan.devices}
+        if any(by_devices.values()):
+            parts.append(_figure(name, unit, by_devices))
     parts += [_summaries(table), _tests(table), _answers(table), _trials(table), _left_out(table)]
     body = "\n".join(part for part in parts if part)
     return (
@@ -63,8 +63,8 @@ def page_of(table: StudyTable) -> str:
 # -- box plots ------------------------------------------------------------------------------
 
 
-def _figure(name: str, unit: str, found: Mapping[str, Mapping[str, float]]) -> str:
-    values = [value for own in found.values() for value in own.values()]
+def _figure(name: str, unit: str, by_devices: Mapping[str, Mapping[str, float]]) -> str:
+    values = [value for own in by_devices.values() for value in own.values()]
     ticks = _ticks(max(max(values), 1e-9))
     top = ticks[-1]
     low = _TALL - _BELOW
@@ -72,20 +72,20 @@ def _figure(name: str, unit: str, found: Mapping[str, Mapping[str, float]]) -> s
     def y(value: float) -> float:
         return low - (low - _ABOVE) * value / top
 
-    step = (_WIDE - _LEFT) / len(found)
-    middles = {devices: _LEFT + step * (k + 0.5) for k, devices in enumerate(found)}
+    step = (_WIDE - _LEFT) / len(by_devices)
+    middles = {devices: _LEFT + step * (k + 0.5) for k, devices in enumerate(by_devices)}
     drawn = [f'<line class="axis" x1="{_LEFT}" x2="{_LEFT}" y1="{_ABOVE}" y2="{low}"/>']
     for tick in ticks:
         drawn.append(
             f'<text x="{_LEFT - 6}" y="{y(tick) + 4:.1f}" text-anchor="end">{tick:g}</text>'
         )
-    for devices, own in found.items():
+    for devices, own in by_devices.items():
         drawn += _box(middles[devices], list(own.values()), y)
         drawn.append(
             f'<text x="{middles[devices]:.1f}" y="{_TALL - 10}" text-anchor="middle">'
             f"{escape(devices)}</text>"
         )
-    drawn += _pairs(found, middles, y)
+    drawn += _pairs(by_devices, middles, y)
     title = escape(name + (f", {unit}" if unit else ""))
     return (
         f'<figure><figcaption>{title}</figcaption><svg role="img" aria-label="{title}" '
@@ -122,21 +122,21 @@ def _box(x: float, values: Sequence[float], y: Callable[[float], float]) -> list
 
 
 def _pairs(
-    found: Mapping[str, Mapping[str, float]],
+    by_devices: Mapping[str, Mapping[str, float]],
     middles: Mapping[str, float],
     y: Callable[[float], float],
 ) -> list[str]:
     """The points of every participant, joined."""
-    names = dict.fromkeys(name for own in found.values() for name in own)
+    names = dict.fromkeys(name for own in by_devices.values() for name in own)
     drawn = []
     for name in names:
-        places = [(middles[d], y(own[name])) for d, own in found.items() if name in own]
-        way = " ".join(f"{x:.1f},{height:.1f}" for x, height in places)
-        drawn.append(f'<polyline class="pair" points="{way}"/>')
+        points = [(middles[d], y(own[name])) for d, own in by_devices.items() if name in own]
+        line = " ".join(f"{x:.1f},{height:.1f}" for x, height in points)
+        drawn.append(f'<polyline class="pair" points="{line}"/>')
         drawn += [
             f'<circle class="point" cx="{x:.1f}" cy="{height:.1f}" r="3">'
             f"<title>{escape(name)}</title></circle>"
-            for x, height in places
+            for x, height in points
         ]
     return drawn
 
@@ -155,14 +155,14 @@ def _table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 def _summaries(table: StudyTable) -> str:
     rows = []
     for devices in table.plan.devices:
-        found = [table.summary(devices, value) for _, _, value in _SHOWN]
-        rows.append([devices, str(found[0].n), *map(_mean_sd, found)])
+        summaries = [table.summary(devices, value) for _, _, value in _SHOWN]
+        rows.append([devices, str(summaries[0].n), *map(_mean_sd, summaries)])
     head = ["devices", "people", *(f"{name}{unit and ', ' + unit}" for name, unit, _ in _SHOWN)]
     return "<h2>Mean (standard deviation)</h2>" + _table(head, rows)
 
 
-def _mean_sd(found: Summary) -> str:
-    return f"{_number(found.mean, '.3g')} ({_number(found.sd, '.2g')})" if found.n else "-"
+def _mean_sd(summary: Summary) -> str:
+    return f"{_number(summary.mean, '.3g')} ({_number(summary.sd, '.2g')})" if summary.n else "-"
 
 
 def _tests(table: StudyTable) -> str:
@@ -191,11 +191,11 @@ def _answers(table: StudyTable) -> str:
     height = 22 * len(counts) + 8
     p = table.preference_p()
     sign_test = "" if math.isnan(p) else f"<p>Sign test, two-sided: p = {p:.3g}</p>"
-    said = [[name, answer.prefers, answer.comment] for name, answer in table.answers.items()]
+    rows = [[name, answer.prefers, answer.comment] for name, answer in table.answers.items()]
     return (
         f'<h2>Which devices they prefer</h2><svg role="img" aria-label="preferences" '
         f'width="{_WIDE}" height="{height}" viewBox="0 0 {_WIDE} {height}">{bars}</svg>{sign_test}'
-        + _table(["participant", "prefers", "comment"], said)
+        + _table(["participant", "prefers", "comment"], rows)
     )
 
 

@@ -52,7 +52,7 @@ _DEFAULT_BRUSH, _DEFAULT_INK = "zhongbaiyun", "pine soot"
 
 @dataclass(frozen=True)
 class Measured:
-    """What one trial took.
+    """Measurements of one trial.
 
     Attributes
     ----------
@@ -88,7 +88,7 @@ class Summary:
 
     @classmethod
     def of(cls, values: Sequence[float]) -> Summary:
-        """Of some values."""
+        """Summarise some values."""
         n = len(values)
         mean = float(np.mean(values)) if n else math.nan
         return cls(n, mean, float(np.std(values, ddof=1)) if n > 1 else math.nan)
@@ -144,9 +144,9 @@ class StudyTable:
     answers: Mapping[str, Answer] = field(default_factory=dict)
 
     def preferences(self) -> dict[str, int]:
-        """How many prefer each device set, and none."""
-        said = Counter(answer.prefers for answer in self.answers.values())
-        return {name: said[name] for name in (*self.plan.devices, NEITHER)}
+        """Number of participants who prefer each device set, and neither."""
+        counts = Counter(answer.prefers for answer in self.answers.values())
+        return {name: counts[name] for name in (*self.plan.devices, NEITHER)}
 
     def preference_p(self) -> float:
         """Of the two-sided sign test between two device sets; NaN for others, or nobody."""
@@ -165,12 +165,12 @@ class StudyTable:
         self, devices: str, value: Callable[[Measured], float | None]
     ) -> dict[str, float]:
         """A value of each participant with a device set: the mean of their trials."""
-        found: dict[str, list[float]] = {}
+        by_name: dict[str, list[float]] = {}
         for one in self.measured:
             number = value(one)
             if one.trial.devices == devices and number is not None:
-                found.setdefault(one.trial.participant, []).append(number)
-        return {name: float(np.mean(numbers)) for name, numbers in found.items()}
+                by_name.setdefault(one.trial.participant, []).append(number)
+        return {name: float(np.mean(numbers)) for name, numbers in by_name.items()}
 
     def tests(self) -> list[PairedTest]:
         """Every device set against the first."""
@@ -306,22 +306,22 @@ def measure(
         surface = session.surface
         recordings = [*session.recordings, *_align_clocks(session.strokes)]
     elif is_score(file):
-        surface, recordings = _painted_score(file, on)
+        surface, recordings = _paint_whole(file, on)
     else:
         recordings = [load_recording(file)]
     spans = sorted(span for recording in recordings for span in _touches(recording))
     if not spans:
         raise InputError("{file}: no stroke was painted; expected the character", file=file)
     start, end = spans[0][0], max(last for _, last in spans)
-    found = None
+    likeness = None
     if judge is not None:
-        found = judge.compare(surface if surface is not None else judge.painted(recordings[0]))
+        likeness = judge.compare(surface if surface is not None else judge.painted(recordings[0]))
     seconds = tuple((last - first) * 1e-9 for first, last in spans)
-    return Measured(trial, file.name, (end - start) * 1e-9, seconds, found)
+    return Measured(trial, file.name, (end - start) * 1e-9, seconds, likeness)
 
 
-def _painted_score(file: Path, on: str | None) -> tuple[PaintedSurface, list[Recording]]:
-    """What a whole painting leaves, and the strokes of it that were not undone, in one clock."""
+def _paint_whole(file: Path, on: str | None) -> tuple[PaintedSurface, list[Recording]]:
+    """Paint a whole painting; return its surface, and its strokes in one clock."""
     score = load_score(file)
     document = painted(score, load_mesh(on or str(score.header.get("object", ""))))
     strokes = [stroke.recording(stroke.brush.name) for stroke in document.strokes]
@@ -335,7 +335,7 @@ def _painted_score(file: Path, on: str | None) -> tuple[PaintedSurface, list[Rec
 def _align_clocks(strokes: Sequence[Recording]) -> list[Recording]:
     """Strokes of several sittings, whose clocks started anew, one after the other.
 
-    The devices' own times are kept where they can be of one clock; else the time of day, which is
+    The devices' own times stay where they can be of one clock; else the time of day, which is
     less exact, says how much later a stroke began.
     """
     moved: list[Recording] = []
@@ -382,11 +382,11 @@ class _Judge:
         self._ghost = Ghost(glyph, placed.square, closest)
 
     def compare(self, surface: PaintedSurface) -> float | None:
-        found = self._ghost.compare(surface)
-        return None if found is None else found.iou
+        likeness = self._ghost.compare(surface)
+        return None if likeness is None else likeness.iou
 
     def painted(self, recording: Recording) -> PaintedSurface:
-        """What a recording paints, with its own brush and ink."""
+        """Paint a recording with its own brush and ink; return the surface."""
         header = recording.header
         surface = PaintedSurface(self._mesh, _RESOLUTION_MM)
         brush = load_brush(str(header.get("brush") or _DEFAULT_BRUSH), own_files=False)

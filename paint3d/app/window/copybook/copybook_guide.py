@@ -36,7 +36,7 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.composition import compose, seal_below, sign_beside
 from paint3d.calligraphy.layout import LEAST_EM_MM, Layout
-from paint3d.calligraphy.page.opening import opened_page
+from paint3d.calligraphy.page.opening import open_page
 from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, Paint3DError
@@ -512,7 +512,7 @@ class CopybookGuide:
                 sheet, laid.photographed = _photographed(Path(file))
                 laid.note = say("; ").join(map(say, sheet.notes))
                 return sheet.page
-            page = opened_page(file)
+            page = open_page(file)
             if page.photograph is not None:
                 try:
                     laid.photographed = _photographed_again(page, page.photograph)
@@ -765,7 +765,7 @@ def _photographed_again(page: Page, there: Photograph) -> Photographed:
 
     Which file that is the file of strokes says: nothing but what is named as a picture is read.
     """
-    from paint3d.calligraphy.photo.copying import seen_again
+    from paint3d.calligraphy.photo.copying import find_photographed_sheet
 
     if not there.file.name.lower().endswith(PHOTOGRAPH_SUFFIXES):
         raise InputError("{file}: not named as a picture; expected a photograph", file=there.file)
@@ -775,7 +775,7 @@ def _photographed_again(page: Page, there: Photograph) -> Photographed:
             "{file}: another picture than the strokes were found in; expected that one there",
             file=there.file,
         )
-    sheet = seen_again(page, pixels, scale)
+    sheet = find_photographed_sheet(page, pixels, scale)
     return Photographed(pixels, sheet, _finds(there.file, pixels, scale, invert=there.invert))
 
 

@@ -15,7 +15,7 @@ from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import AnyArray
 from paint3d.core.polyline import line_length, resample_to
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.recording.score_edits import pressed_places
+from paint3d.recording.score_edits import pressed_positions
 
 __all__ = ["StrokeDrag", "StrokeMark", "ways_of"]
 
@@ -38,7 +38,7 @@ def ways_of(stroke: Stroke, ground: ClosestPoints) -> list[AnyArray]:
     ground : ClosestPoints
         Of the object.
     """
-    places, pressed = pressed_places(stroke.recording())
+    places, pressed = pressed_positions(stroke.recording())
     edges = np.flatnonzero(np.diff(np.concatenate([[False], pressed, [False]]).astype(np.int8)))
     return [_piece(places[a:b], ground) for a, b in edges.reshape(-1, 2)]
 

@@ -33,7 +33,7 @@ from paint3d.recording.flat_recording import (
     angles_from_orientations,
     join_strokes,
     orientations_from_angles,
-    spread_ties,
+    spread_equal_times,
 )
 
 __all__ = ["read_inkml", "write_inkml"]
@@ -55,7 +55,7 @@ _PEN_UP_NS = 100_000_000
 _LONGEST_MS = 4e12  # 127 years
 _PRESSED = 0.5  # where the pad tells no pressure
 _MAX_DEPTH = 64
-_NUMBER = re.compile(
+_NUMBER = re.compile(  # prefix (' difference, " second difference, ! value), number or word; other
     r"\s*(['\"!]?)\s*([-+]?(?:#[\dA-Fa-f]+|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)|[TF*?])|\s*(\S)"
 )
 _TRUTH = {"T": 1.0, "F": 0.0}
@@ -90,19 +90,19 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
             line=fault.line,
             what=fault.what,
         ) from None
-    if _local(root) != "ink":
+    if _local_name(root) != "ink":
         raise RecordingError(
             "{name}:1: the root element is <{local}>; expected <ink>",
             name=name,
-            local=_local(root),
+            local=_local_name(root),
         )
-    format_of = _formats(root, name)
-    started = _starts(root)
+    format_of = _find_formats(root, name)
+    started = _find_starts(root)
     traces = []
-    for k, (element, context) in enumerate(_traces(root)):
+    for k, (element, context) in enumerate(_find_traces(root)):
         layout = format_of(context)
         try:
-            values = _points(element.text or "", layout)
+            values = _read_points(element.text or "", layout)
         except RecordingError as cause:
             raise RecordingError(
                 "{name}: trace {k}: {cause}", name=name, k=k + 1, cause=cause
@@ -110,20 +110,20 @@ def read_inkml(data: bytes, name: str, *, scale: float, y_down: bool) -> Recordi
         if len(values):
             is_up = element.get("type") == "penUp"
             traces.append(_Trace(values, layout, is_up, element, *started(element, context)))
-    traces = _continued(traces)
+    traces = _join_continued(traces)
     if not traces:
         raise RecordingError(
             "{name}:1: there are no traces with points; expected at least one",
             name=name,
         )
     try:
-        return _assemble(traces, _note(root), scale, y_down)
+        return _assemble(traces, _read_header(root), scale, y_down)
     except RecordingError as cause:
         raise RecordingError("{name}: {cause}", name=name, cause=cause) from None
 
 
 class _Format(NamedTuple):
-    """Channels: what the numbers of a point are.
+    """Channels of a trace: the meaning of a point's numbers.
 
     `channels` are attributes by name, in the points' order, of which the last `intermittent` may
     be missing; `resolutions` are counts to a unit, `step_ns` is from one point to the next, and
@@ -138,7 +138,7 @@ class _Format(NamedTuple):
 
 
 class _Canvas(NamedTuple):
-    """Affine way of channels to a canvas: `targets` are rows @ (the values of `sources`, 1).
+    """Affine map of channels to a canvas: `targets` are rows @ (the values of `sources`, 1).
 
     `channels` are the attributes of the targets there; none where nothing is said.
     """
@@ -165,36 +165,36 @@ class _Trace(NamedTuple):
     stroke: int = 0
 
 
-def _local(element: ElementTree.Element) -> str:
+def _local_name(element: ElementTree.Element) -> str:
     return element.tag.rsplit("}", 1)[-1]
 
 
-def _traces(
+def _find_traces(
     element: ElementTree.Element, context: str = ""
 ) -> Iterator[tuple[ElementTree.Element, str]]:
-    """The traces of an element, and the identifiers of their contexts, inherited from groups.
+    """Yield the traces of an element, and the identifiers of their contexts, inherited from groups.
 
     Those among definitions are there to be referred to; they count where there are no others.
     """
-    every = list(_all_traces(element, context, False))
+    every = list(_walk_traces(element, context, False))
     shown = [(trace, inherited) for trace, inherited, is_defined in every if not is_defined]
     yield from shown or [(trace, inherited) for trace, inherited, _ in every]
 
 
-def _all_traces(
+def _walk_traces(
     element: ElementTree.Element, context: str, is_defined: bool
 ) -> Iterator[tuple[ElementTree.Element, str, bool]]:
     context = element.get("contextRef", "")[1:] or context
-    if _local(element) == "trace":
+    if _local_name(element) == "trace":
         yield element, context, is_defined
         return
-    is_defined = is_defined or _local(element) == "definitions"
+    is_defined = is_defined or _local_name(element) == "definitions"
     for inner in element:
-        yield from _all_traces(inner, context, is_defined)
+        yield from _walk_traces(inner, context, is_defined)
 
 
-def _continued(traces: list[_Trace]) -> list[_Trace]:
-    """Traces with the numbers of their strokes, each behind the one that it continues.
+def _join_continued(traces: list[_Trace]) -> list[_Trace]:
+    """Assign stroke numbers to traces, each behind the one that it continues.
 
     That is the one that its priorRef names, else the last one of a stroke that is not at its end.
     """
@@ -216,10 +216,10 @@ def _continued(traces: list[_Trace]) -> list[_Trace]:
     return [trace._replace(stroke=k) for k, stroke in enumerate(strokes) for trace in stroke]
 
 
-def _starts(
+def _find_starts(
     root: ElementTree.Element,
 ) -> Callable[[ElementTree.Element, str], tuple[float, float]]:
-    """Start and duration of a trace, ms; NaN where nothing is said."""
+    """Return a function: start and duration of a trace, ms; NaN where unspecified."""
     named = {e.get(_ID) or e.get("id") or None: e for e in root.iter()}
 
     def of_timestamp(reference: str) -> float:
@@ -237,29 +237,26 @@ def _starts(
     def started(trace: ElementTree.Element, context: str) -> tuple[float, float]:
         start, duration = (_milliseconds(trace, key) for key in ("timeOffset", "duration"))
         inherited = named.get(context) if context else None
-        since = "" if inherited is None else _timestamp_of(inherited)
+        since = ""  # the reference of its context to when times begin
+        if inherited is not None:
+            inside = (e for e in inherited.iter() if _local_name(e) == "timestamp")
+            stamp = next((e.get(_ID) or e.get("id") for e in inside), None)
+            since = inherited.get("timestampRef", "") or (f"#{stamp}" if stamp else "")
         return start + of_timestamp(since), duration
 
     return started
 
 
-def _timestamp_of(context: ElementTree.Element) -> str:
-    """The reference of a context to when its times begin."""
-    inside = (e for e in context.iter() if _local(e) == "timestamp")
-    stamp = next((e.get(_ID) or e.get("id") for e in inside), None)
-    return context.get("timestampRef", "") or (f"#{stamp}" if stamp else "")
-
-
 def _milliseconds(element: ElementTree.Element, key: str, otherwise: float = math.nan) -> float:
     try:
-        found = float(element.get(key, ""))
+        value = float(element.get(key, ""))
     except ValueError:
         return otherwise
-    return found if abs(found) < _LONGEST_MS else otherwise
+    return value if abs(value) < _LONGEST_MS else otherwise
 
 
-def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
-    """Format of a trace by its context; by default it is the document's first."""
+def _find_formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
+    """Return a function: format of a trace by its context; by default the document's first."""
     named = {e.get(_ID) or e.get("id") or None: e for e in root.iter()}
 
     @cache
@@ -272,55 +269,55 @@ def _formats(root: ElementTree.Element, name: str) -> Callable[[str], _Format]:
         Those are its ink source's; where it stands in none, all there are.
         """
         inner = {
-            e for canvas in element.iter() if _local(canvas) == "canvas" for e in canvas.iter()
+            e for canvas in element.iter() if _local_name(canvas) == "canvas" for e in canvas.iter()
         }
         every = [e for e in element.iter() if e not in inner]
-        layout = next((e for e in every if _local(e) == "traceFormat"), None)
-        for source in (e for e in every if _local(e) == "inkSource"):
+        layout = next((e for e in every if _local_name(e) == "traceFormat"), None)
+        for source in (e for e in every if _local_name(e) == "inkSource"):
             if layout is not None and layout in source.iter():
                 every = list(source.iter())
                 break
-        return layout, _resolutions(every, name), _step_ns(every)
+        return layout, _read_resolutions(every, name), _read_step_ns(every)
 
     @cache
     def channels(layout: ElementTree.Element | None) -> tuple[dict[str, dict[str, str]], int]:
-        return ({"X": {}, "Y": {}}, 0) if layout is None else _channels(layout, name)
+        return ({"X": {}, "Y": {}}, 0) if layout is None else _read_channels(layout, name)
 
     @cache
     def format_of(context: str) -> _Format:
-        places: list[ElementTree.Element] = []
+        contexts: list[ElementTree.Element] = []
         element = named.get(context) if context else None
-        while element is not None and element not in places and len(places) < _MAX_DEPTH:
-            places.append(element)
+        while element is not None and element not in contexts and len(contexts) < _MAX_DEPTH:
+            contexts.append(element)
             others = (named.get(element.get(key, "")[1:]) for key in _CONTEXT_PARTS)
-            places += [other for other in others if other is not None]
+            contexts += [other for other in others if other is not None]
             element = named.get(element.get("contextRef", "")[1:])  # what it does not say itself
-        found = [described(place) for place in places]
-        if all(layout is None for layout, _, _ in found):
-            found.append(described(root))
-        layout = next((layout for layout, _, _ in found if layout is not None), None)
+        descriptions = [described(context) for context in contexts]
+        if all(layout is None for layout, _, _ in descriptions):
+            descriptions.append(described(root))
+        layout = next((layout for layout, _, _ in descriptions if layout is not None), None)
         resolutions: dict[str, tuple[float, str]] = {}
-        for _, counts, _ in reversed(found):
+        for _, counts, _ in reversed(descriptions):
             resolutions |= counts
-        step_ns = next((step for _, _, step in found if step), _DEFAULT_STEP_NS)
+        step_ns = next((step for _, _, step in descriptions if step), _DEFAULT_STEP_NS)
         named_channels, intermittent = channels(layout)
-        canvas = _canvas(places, named, named_channels, name)
+        canvas = _find_canvas(contexts, named, named_channels, name)
         return _Format(named_channels, intermittent, resolutions, step_ns, canvas)
 
     return format_of
 
 
-def _canvas(
+def _find_canvas(
     contexts: list[ElementTree.Element],
     named: Mapping[str | None, ElementTree.Element],
     channels: Mapping[str, object],
     name: str,
 ) -> _Canvas | None:
-    """The affine way of a context's traces to its canvas; None where it is none, or not known."""
+    """The affine map of a context's traces to its canvas; None where there is no usable one."""
 
     def inherited(kind: str) -> ElementTree.Element | None:
         for context in contexts:
-            inside = next((e for e in context.iter() if _local(e) == kind), None)
+            inside = next((e for e in context.iter() if _local_name(e) == kind), None)
             referred = named.get(context.get(f"{kind}Ref", "")[1:])
             if inside is not None or referred is not None:
                 return inside if inside is not None else referred
@@ -329,7 +326,7 @@ def _canvas(
     transform = inherited("canvasTransform")
     if transform is None:
         return None
-    mapping = next((e for e in transform if _local(e) == "mapping"), None)
+    mapping = next((e for e in transform if _local_name(e) == "mapping"), None)
     seen: list[ElementTree.Element] = []
     while mapping is not None and mapping.get("mappingRef") and mapping not in seen:
         seen.append(mapping)
@@ -337,26 +334,28 @@ def _canvas(
     kind = "identity" if mapping is None else mapping.get("type", "unknown")
     if kind == "identity":
         return None
-    way = _affine(mapping, list(channels)) if mapping is not None and kind == "affine" else None
-    if way is None:
+    affine = (
+        _read_affine(mapping, list(channels)) if mapping is not None and kind == "affine" else None
+    )
+    if affine is None:
         _LOG.warning("%s: left out: a mapping to a canvas that is not affine", name)
         return None
     canvas = inherited("canvas")
     layout = None if canvas is None else named.get(canvas.get("traceFormatRef", "")[1:])
     if canvas is not None and layout is None:
-        layout = next((e for e in canvas.iter() if _local(e) == "traceFormat"), None)
-    there = {} if layout is None else _channels(layout, name)[0]
-    return _Canvas(*way, there)
+        layout = next((e for e in canvas.iter() if _local_name(e) == "traceFormat"), None)
+    there = {} if layout is None else _read_channels(layout, name)[0]
+    return _Canvas(*affine, there)
 
 
-def _affine(
+def _read_affine(
     mapping: ElementTree.Element, channels: list[str]
 ) -> tuple[list[str], list[str], AnyArray] | None:
-    """Sources, targets and rows of an affine mapping of X, Y and the like; None where it is none.
+    """Sources, targets and rows of an affine mapping of X, Y and the like, or None.
 
     By its bindings; without, of the first channels to themselves.
     """
-    text = next((e.text or "" for e in mapping if _local(e) in ("matrix", "affine")), "")
+    text = next((e.text or "" for e in mapping if _local_name(e) in ("matrix", "affine")), "")
     try:
         rows = [[float(word) for word in row.split()] for row in text.strip(", \n").split(",")]
     except ValueError:
@@ -364,7 +363,7 @@ def _affine(
     n = len(rows[0]) - 1
     if n < 1 or any(len(row) != n + 1 for row in rows) or not np.isfinite(rows).all():
         return None
-    binds = [e for e in mapping if _local(e) == "bind"]
+    binds = [e for e in mapping if _local_name(e) == "bind"]
     sources = [bind.get("source", "") for bind in binds if bind.get("source")] or channels[:n]
     targets = [bind.get("target", "") for bind in binds if bind.get("target")] or channels[
         : len(rows)
@@ -375,8 +374,8 @@ def _affine(
     return sources, targets, np.array(rows)
 
 
-def _on_canvas(table: AnyArray, layout: _Format) -> tuple[AnyArray, _Format]:
-    """Points (N, C) where their canvas has them, in its format."""
+def _map_to_canvas(table: AnyArray, layout: _Format) -> tuple[AnyArray, _Format]:
+    """Map points (N, C) to their canvas; return them with its format."""
     if layout.canvas is None:
         return table, layout
     sources, targets, rows, there = layout.canvas
@@ -385,24 +384,30 @@ def _on_canvas(table: AnyArray, layout: _Format) -> tuple[AnyArray, _Format]:
     with np.errstate(over="ignore", invalid="ignore"):  # what is not finite is refused
         moved = own @ rows[:, :-1].T + rows[:, -1]
     columns = dict(zip(names, table.T, strict=True)) | dict(zip(targets, moved.T, strict=True))
-    kept = {key: {**layout.channels.get(key, {}), "type": "decimal"} for key in targets}
-    channels = {**layout.channels, **kept, **{key: there[key] for key in targets if key in there}}
-    resolutions = {k: told for k, told in layout.resolutions.items() if k not in targets}
+    replaced = {key: {**layout.channels.get(key, {}), "type": "decimal"} for key in targets}
+    channels = {
+        **layout.channels,
+        **replaced,
+        **{key: there[key] for key in targets if key in there},
+    }
+    resolutions = {
+        k: resolution for k, resolution in layout.resolutions.items() if k not in targets
+    }
     return (
         np.column_stack([columns[key] for key in channels]),
         layout._replace(channels=channels, resolutions=resolutions),
     )
 
 
-def _channels(layout: ElementTree.Element, name: str) -> tuple[dict[str, dict[str, str]], int]:
+def _read_channels(layout: ElementTree.Element, name: str) -> tuple[dict[str, dict[str, str]], int]:
     """Attributes of a format's channels by name, and how many are intermittent."""
-    regular = [dict(e.attrib) for e in layout if _local(e) == "channel"]
+    regular = [dict(e.attrib) for e in layout if _local_name(e) == "channel"]
     extra = [
         dict(c.attrib)
         for e in layout
-        if _local(e) == "intermittentChannels"
+        if _local_name(e) == "intermittentChannels"
         for c in e
-        if _local(c) == "channel"
+        if _local_name(c) == "channel"
     ]
     names = [channel.get("name", "") for channel in regular + extra]
     if "" in names or len(set(names)) != len(names):
@@ -421,27 +426,29 @@ def _channels(layout: ElementTree.Element, name: str) -> tuple[dict[str, dict[st
     return dict(zip(names, regular + extra, strict=True)), len(extra)
 
 
-def _step_ns(elements: list[ElementTree.Element]) -> int:
-    """ns from one point to the next of a source that says its rate and that it is even; else 0."""
+def _read_step_ns(elements: list[ElementTree.Element]) -> int:
+    """ns from one point to the next of a source with an even rate; else 0."""
     for element in elements:
-        if _local(element) == "sampleRate" and element.get("uniform") != "false":
+        if _local_name(element) == "sampleRate" and element.get("uniform") != "false":
             rate = _milliseconds(element, "value", 0.0)  # points a second
             return round(1e9 / rate) if 1.0 <= rate <= 1e6 else 0
     return 0
 
 
-def _resolutions(elements: list[ElementTree.Element], name: str) -> dict[str, tuple[float, str]]:
-    """Counts to a unit, "" where it is the channel's own, by the channel properties among these."""
+def _read_resolutions(
+    elements: list[ElementTree.Element], name: str
+) -> dict[str, tuple[float, str]]:
+    """Counts per unit, "" for the channel's own, of the channel properties among these."""
     result: dict[str, tuple[float, str]] = {}
     for entry in elements:
         key = entry.get("channel", "")
-        if _local(entry) != "channelProperty" or entry.get("name") != "resolution":
+        if _local_name(entry) != "channelProperty" or entry.get("name") != "resolution":
             continue
         if key not in _KNOWN or key in result:
             continue
-        told = entry.get("value", "")
+        value = entry.get("value", "")
         try:
-            counts = float(told)
+            counts = float(value)
         except ValueError:
             counts = math.nan
         if not (math.isfinite(counts) and counts >= 0.0):
@@ -449,25 +456,25 @@ def _resolutions(elements: list[ElementTree.Element], name: str) -> dict[str, tu
                 "{name}:1: the resolution of {key} is {told!r}; expected a number from 0",
                 name=name,
                 key=key,
-                told=told[:40],
+                told=value[:40],
             )
         result[key] = counts, entry.get("units", "").replace(" ", "").removeprefix("1/")
     return result
 
 
-def _points(text: str, layout: _Format) -> AnyArray:
+def _read_points(text: str, layout: _Format) -> AnyArray:
     """Points of a trace, (N, C); differences are summed up, and missing channels go on as before.
 
     What is unknown from the beginning is the channel's default, else NaN.
     """
     n_channels = len(layout.channels)
-    default = [_default(channel) for channel in layout.channels.values()]
+    default = [_default_value(channel) for channel in layout.channels.values()]
     rows: list[list[float]] = []
-    order = ["!"] * n_channels
+    order = ["!"] * n_channels  # prefixes hold until a channel has another one
     speed = [0.0] * n_channels
     said = list(default)
     for point in text.split(","):
-        words = _words(point)
+        words = _split_point(point)
         if not words and not point.strip():
             continue
         if not n_channels - layout.intermittent <= len(words) <= n_channels:
@@ -494,7 +501,7 @@ def _points(text: str, layout: _Format) -> AnyArray:
     return np.array(rows, dtype=np.float64).reshape(-1, n_channels)
 
 
-def _default(channel: Mapping[str, str]) -> float:
+def _default_value(channel: Mapping[str, str]) -> float:
     default = channel.get("default", "")
     try:
         return _TRUTH[default] if default in _TRUTH else float(default)
@@ -502,7 +509,7 @@ def _default(channel: Mapping[str, str]) -> float:
         return math.nan
 
 
-def _words(point: str) -> list[tuple[str, float | None]]:
+def _split_point(point: str) -> list[tuple[str, float | None]]:
     """Prefixes and values of a point: NaN for the same value or difference, None for nothing."""
     words: list[tuple[str, float | None]] = []
     for match in _NUMBER.finditer(point):
@@ -543,8 +550,8 @@ def _assemble(
     for group in groups.values():
         rows = np.concatenate([np.arange(first[k], first[k + 1]) for k in group])
         table = np.concatenate([traces[k].values for k in group])
-        part = _measured(table, traces[group[0]].layout, scale, y_down)
-        _forget_flat(part, piece[rows])
+        part = _measure_channels(table, traces[group[0]].layout, scale, y_down)
+        _drop_flat_angles(part, piece[rows])
         parts.append((rows, part))
 
     def whole(key: str, otherwise: float) -> AnyArray:
@@ -568,7 +575,7 @@ def _assemble(
     if not is_known("OA"):
         header = {"azimuth": "dragged", **header}
     return join_strokes(
-        _times(whole("T", math.nan) if is_known("T") else None, piece, traces),
+        _find_times(whole("T", math.nan) if is_known("T") else None, piece, traces),
         position,
         orientations_from_angles(
             whole("OA", DEFAULT_LEAN), whole("OE", 0.5 * math.pi), whole("OR", 0.0)
@@ -579,33 +586,37 @@ def _assemble(
     )
 
 
-def _forget_flat(part: dict[str, AnyArray], piece: AnyArray) -> None:
-    """Make the direction unknown of traces (N,) whose pen lies flat on the pad all along.
+def _drop_flat_angles(part: dict[str, AnyArray], pieces: AnyArray) -> None:
+    """Set directions to NaN in traces (N,) whose pen lies flat on the pad throughout.
 
     None can: office programs write angles of 0 for pens, fingers and mice that tell none.
     """
     if "OE" in part:
-        is_raised = np.isin(piece, piece[~(part["OE"] <= 0.0)])
+        is_raised = np.isin(pieces, pieces[~(part["OE"] <= 0.0)])
         for key in {"OA", "OE"} & part.keys():
             part[key] = np.where(is_raised, part[key], math.nan)
 
 
-def _measured(table: AnyArray, layout: _Format, scale: float, y_down: bool) -> dict[str, AnyArray]:
-    """The known channels of points (N, C) in mm, rad, shares of the highest force, and ns."""
-    table, layout = _on_canvas(table, layout)
+def _measure_channels(
+    table: AnyArray, layout: _Format, scale: float, y_down: bool
+) -> dict[str, AnyArray]:
+    """The known channels of points (N, C) in mm, rad, fractions of the highest force, and ns."""
+    table, layout = _map_to_canvas(table, layout)
     degree = _ANGLES["deg"]
-    up = -1.0 if _is_down(layout.channels["Y"], y_down) else 1.0
+    orientation = layout.channels["Y"].get("orientation")
+    is_down = y_down if orientation is None else orientation != "-ve"
+    up = -1.0 if is_down else 1.0
     right = -1.0 if layout.channels["X"].get("orientation") == "-ve" else 1.0
     result: dict[str, AnyArray] = {"F": np.full(len(table), _PRESSED)}
     for column, key in zip(table.T, layout.channels, strict=True):
         if key in ("X", "Y", "Z"):
-            result[key] = _in_units(column, key, layout, _LENGTHS, scale)
+            result[key] = _convert_units(column, key, layout, _LENGTHS, scale)
         elif key in ("OA", "OE", "OR", *_TILTS):
-            result[key] = _in_units(column, key, layout, _ANGLES, degree)
+            result[key] = _convert_units(column, key, layout, _ANGLES, degree)
         elif key == "F":
-            result[key] = _pressures(column, layout)
+            result[key] = _convert_pressures(column, layout)
         elif key == "T":
-            result[key] = _in_units(column, key, layout, _TIMES, _TIMES["ms"])
+            result[key] = _convert_units(column, key, layout, _TIMES, _TIMES["ms"])
     if "OA" not in result and set(_TILTS) <= set(result):
         lean_x, lean_y = (np.tan(np.clip(result[key], -_STEEPEST, _STEEPEST)) for key in _TILTS)
         result["OA"] = np.arctan2(lean_y, lean_x)
@@ -616,10 +627,10 @@ def _measured(table: AnyArray, layout: _Format, scale: float, y_down: bool) -> d
     return result
 
 
-def _in_units(
+def _convert_units(
     values: AnyArray, key: str, layout: _Format, units: Mapping[str, float], otherwise: float
 ) -> AnyArray:
-    """Values of a channel, whose unit may be any of these; `otherwise` is that of unknown ones.
+    """Values of a channel in one of these units; `otherwise` is the factor of unknown ones.
 
     Office programs tell a unit and mean counts, of which as many go to it as the resolution says.
     A channel of decimal numbers has them in its unit, and the resolution is only the device's.
@@ -645,16 +656,11 @@ def _in_units(
         return values * factor
 
 
-def _is_down(channel: dict[str, str], y_down: bool) -> bool:
-    orientation = channel.get("orientation")
-    return y_down if orientation is None else orientation != "-ve"
-
-
-def _pressures(column: AnyArray, layout: _Format) -> AnyArray:
+def _convert_pressures(column: AnyArray, layout: _Format) -> AnyArray:
     """Pressures from F: newtons over 7.9 N, or the channel's own range, or 0 to 1."""
     channel = layout.channels["F"]
     if channel.get("units") == "N":
-        return _in_units(column, "F", layout, {"N": 1.0}, 1.0) / MAX_FORCE_N
+        return _convert_units(column, "F", layout, {"N": 1.0}, 1.0) / MAX_FORCE_N
     try:
         low, high = float(channel.get("min", "0")), float(channel.get("max", "1"))
     except ValueError:
@@ -673,16 +679,20 @@ def _pressures(column: AnyArray, layout: _Format) -> AnyArray:
         return (column - low) / (high - low)
 
 
-def _times(raw: AnyArray | None, piece: AnyArray, traces: list[_Trace]) -> AnyArray:
-    """Times of points in ns: of T, where it counts from each trace's start after its beginning."""
+def _find_times(raw: AnyArray | None, piece: AnyArray, traces: list[_Trace]) -> AnyArray:
+    """Times of points in ns: of T, else of the traces' offsets, else of the sources' rates."""
     n, starts = len(piece), np.flatnonzero(np.diff(piece, prepend=-1))
     offsets = 1e6 * np.array([trace.start_ms for trace in traces])
-    is_told = bool(np.isfinite(offsets).all() and (np.diff(offsets) >= 0.0).all())
-    is_told = is_told and bool(offsets[-1] - offsets[0] < 2.0**62)
-    offsets = np.round(offsets - offsets[0]).astype(np.int64) if is_told else np.zeros(0, np.int64)
-    if raw is None and is_told and (len(traces) > 1 or traces[0].duration_ms > 0.0):
-        times = offsets[piece] + (np.arange(n) - starts[piece]) * _steps(traces, offsets)[piece]
-        return spread_ties(times)[0]
+    has_offsets = bool(np.isfinite(offsets).all() and (np.diff(offsets) >= 0.0).all())
+    has_offsets = has_offsets and bool(offsets[-1] - offsets[0] < 2.0**62)
+    offsets = (
+        np.round(offsets - offsets[0]).astype(np.int64) if has_offsets else np.zeros(0, np.int64)
+    )
+    if raw is None and has_offsets and (len(traces) > 1 or traces[0].duration_ms > 0.0):
+        times = (
+            offsets[piece] + (np.arange(n) - starts[piece]) * _find_steps(traces, offsets)[piece]
+        )
+        return spread_equal_times(times)[0]
     if raw is None:
         step = np.array([trace.layout.step_ns for trace in traces])[piece]
         gaps = np.diff([trace.stroke for trace in traces], prepend=0)[piece] * _PEN_UP_NS
@@ -693,7 +703,10 @@ def _times(raw: AnyArray | None, piece: AnyArray, traces: list[_Trace]) -> AnyAr
         raise RecordingError("T is missing or too large; expected times of at most 146 years")
     times = np.round(raw).astype(np.int64)
     if len(starts) > 1 and (times[starts] == times[0]).all():  # counts from the start of each trace
-        if is_told and (offsets[1:] + times[0] >= (times + offsets[piece])[starts[1:] - 1]).all():
+        if (
+            has_offsets
+            and (offsets[1:] + times[0] >= (times + offsets[piece])[starts[1:] - 1]).all()
+        ):
             times = times + offsets[piece]
         elif (times[starts[1:]] < times[starts[1:] - 1]).any():
             step = np.diff([trace.stroke for trace in traces]) * _PEN_UP_NS
@@ -709,24 +722,24 @@ def _times(raw: AnyArray | None, piece: AnyArray, traces: list[_Trace]) -> AnyAr
             now=now,
             before=before,
         )
-    return spread_ties(times)[0]
+    return spread_equal_times(times)[0]
 
 
-def _steps(traces: list[_Trace], offsets: AnyArray) -> AnyArray:
-    """From one point of each trace to the next, ns: as long as it lasts, or as it has room."""
+def _find_steps(traces: list[_Trace], offsets: AnyArray) -> AnyArray:
+    """Steps between points of each trace, ns: by its duration, or as the next one allows."""
     n = np.array([len(trace.values) for trace in traces])
-    room = np.append(np.diff(offsets), np.iinfo(np.int64).max)
+    available = np.append(np.diff(offsets), np.iinfo(np.int64).max)
     usual = np.array([trace.layout.step_ns for trace in traces])
     lasts = np.array([1e6 * trace.duration_ms for trace in traces])
     steps = np.where(lasts > 0.0, lasts / np.maximum(n - 1, 1), usual)
-    result: AnyArray = np.minimum(np.round(steps), room // n).astype(np.int64)
+    result: AnyArray = np.minimum(np.round(steps), available // n).astype(np.int64)
     return result
 
 
-def _note(root: ElementTree.Element) -> dict[str, Any]:
-    """Our header, where we wrote the document."""
+def _read_header(root: ElementTree.Element) -> dict[str, Any]:
+    """Header that `write_inkml` put into the document; empty in others' documents."""
     for element in root.iter():
-        if _local(element) == "annotation" and element.get("type") == _NOTE:
+        if _local_name(element) == "annotation" and element.get("type") == _NOTE:
             try:
                 note = json.loads(element.text or "")
             except (ValueError, RecursionError):
@@ -769,20 +782,9 @@ def write_inkml(recording: Recording) -> Iterator[str]:
         yield f'<channel name="{key}" type="{kind}" {rest}/>\n'
     yield "</traceFormat>\n"
     edges = np.flatnonzero(np.diff(np.concatenate([[False], down, [False]]).astype(np.int8)))
-    columns = _written(recording)
-    times = recording.time_ns - recording.time_ns[0]
-    for first, last in edges.reshape(-1, 2):
-        points = (
-            " ".join([*map(repr, columns[i].tolist()), str(times[i])]) for i in range(first, last)
-        )
-        yield "<trace>" + ", ".join(points) + "</trace>\n"
-    yield "</ink>\n"
-
-
-def _written(recording: Recording) -> AnyArray:
     azimuth, altitude, rotation = angles_from_orientations(recording.orientation)
     pressure = 0.5 if recording.pressure is None else recording.pressure
-    return np.column_stack(
+    columns = np.column_stack(
         [
             recording.position * [1.0, -1.0, 1.0],
             np.broadcast_to(pressure, len(recording)),
@@ -791,3 +793,10 @@ def _written(recording: Recording) -> AnyArray:
             np.degrees(rotation),
         ]
     )
+    times = recording.time_ns - recording.time_ns[0]
+    for first, last in edges.reshape(-1, 2):
+        points = (
+            " ".join([*map(repr, columns[i].tolist()), str(times[i])]) for i in range(first, last)
+        )
+        yield "<trace>" + ", ".join(points) + "</trace>\n"
+    yield "</ink>\n"

@@ -51,7 +51,7 @@ from paint3d.recording.flat_recording import (
     Lifts,
     notes_of,
     orientations_from_angles,
-    spread_ties,
+    spread_equal_times,
 )
 from paint3d.recording.number_table import Lines, NumberTable
 from paint3d.recording.units import TO_MM, TO_NS, units_of
@@ -63,7 +63,7 @@ _TIMES = {
     **dict.fromkeys(("time_ms", "timestamp", "sensor_timestamp"), 1e6),
     **dict.fromkeys(("time", "time_s", "t"), 1e9),
 }
-_PLACES = {
+_COORDINATES = {
     axis: (
         *(f"{axis}_{unit}" for unit in ("mm", "cm", "m")),
         *(axis, f"spline_{axis}", f"pos_{axis}", f"position_{axis}"),
@@ -79,7 +79,7 @@ _QUATERNION = ("qw", "qx", "qy", "qz")
 _OBJECT = ("object_x_mm", "object_y_mm", "object_z_mm", *(f"object_{q}" for q in _QUATERNION))
 _CONTACT = ("contact_x_mm", "contact_y_mm", "contact_z_mm")
 _PREFIXES = ("tip_", "contact_", "object_")
-_MAY_LACK = tuple(f"contact_{axis}{unit}" for axis in "xyz" for unit in (*_UNITS, ""))
+_MAY_BE_EMPTY = tuple(f"contact_{axis}{unit}" for axis in "xyz" for unit in (*_UNITS, ""))
 _TURNED = (0.0, 1.0, 0.0, 0.0)  # half a turn about x: from a z at the work to one up the handle
 _EXACT = ("time_ns", "buttons")
 _LARGEST = 1e9
@@ -89,7 +89,7 @@ _TOO_FAST_MS = 0.05
 
 _LEAST_MM = 0.5
 """A path or a stroke that spans less is hardly in the unit that it is taken for."""
-_NOISE_N, _NOISE_SHARE = 0.2, 0.1
+_NOISE_N, _NOISE_FRACTION = 0.2, 0.1
 """Forces up to 0.2 N, and up to a tenth of the greatest, may be noise of a sensor."""
 _TOUCH_NS = 200_000_000
 """A touch by noise is shorter."""
@@ -117,7 +117,7 @@ def read_csv(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recordin
     number, text = next(filled, (1, ""))
     header: dict[str, Any] = {}
     if text.startswith("#"):
-        header = _header(text[1:], f"{name}:{number}")
+        header = _parse_header(text[1:], f"{name}:{number}")
         number, text = next(filled, (number + 1, ""))
     delimiter = max(",;\t", key=text.count)
     names = [cell.strip().strip('"').lower() for cell in text.split(delimiter)]
@@ -131,8 +131,8 @@ def read_csv(lines: Lines, name: str, *, scale: float, y_down: bool) -> Recordin
             times=", ".join(_TIMES),
             hint="in Python, painter.stroke(points, pressure=...) needs no times",
         )
-    table = NumberTable(names, name, _EXACT, _MAY_LACK)
-    table.read(lines, delimiter, partial(_cells, delimiter=delimiter))
+    table = NumberTable(names, name, _EXACT, _MAY_BE_EMPTY)
+    table.read(lines, delimiter, partial(_split_cells, delimiter=delimiter))
     return _assemble(table, header, scale, y_down)
 
 
@@ -145,22 +145,22 @@ def read_plain_table(lines: Lines, name: str, *, scale: float, y_down: bool) -> 
         ``name:line: what is X; expected Y``.
     """
     table = NumberTable(["time", "x", "y", "pressure"], name)
-    table.read(lines, None, _words, "#")
+    table.read(lines, None, _split_words, "#")
     return _assemble(table, {}, scale, y_down)
 
 
-def _cells(line: str, delimiter: str) -> list[str] | None:
+def _split_cells(line: str, delimiter: str) -> list[str] | None:
     """The cells of a line; None where it is blank."""
     row = line.strip()
     return [cell.strip().strip('"') for cell in row.split(delimiter)] if row else None
 
 
-def _words(line: str) -> list[str] | None:
+def _split_words(line: str) -> list[str] | None:
     """The cells of a line that white space stands between; None where it is blank or a comment."""
     return None if line.startswith("#") else line.split() or None
 
 
-def _header(text: str, where: str) -> dict[str, Any]:
+def _parse_header(text: str, where: str) -> dict[str, Any]:
     if not text.strip().startswith("{"):
         return {}
     try:
@@ -180,17 +180,17 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
             table=table.name,
         )
     both = (_QUATERNION, tuple(f"tool_{q}" for q in _QUATERNION))
-    quaternion = next((names for names in both if _first(table, names)), None)
-    units = _said_units(table, header)
+    quaternion = next((names for names in both if _first_present(table, names)), None)
+    units = _check_units(table, header)
     header = {key: value for key, value in header.items() if key != "units"}
     notes: list[str] = []
     if quaternion is not None:
         scale, y_down = TO_MM[units.get("position", "mm")], False
-        tip = "tip_" if _is_there(table, "tip_") else ""
+        tip = "tip_" if _has_columns(table, "tip_") else ""
         if "position" not in units:
-            notes += _unit_note(table, tip)
+            notes += _unit_notes(table, tip)
     else:
-        if _is_there(table, "tip_"):
+        if _has_columns(table, "tip_"):
             raise RecordingError(
                 "{table}: a tip is told without an orientation; expected columns {names} or those "
                 "of a tool whose z points at the work, {tools}",
@@ -199,67 +199,81 @@ def _assemble(table: NumberTable, header: dict[str, Any], scale: float, y_down: 
                 tools=", ".join(both[1]),
             )
         for axis in "xyz":
-            _check_place(table, axis)
+            column = table.column(*_COORDINATES[axis])
+            if column is not None:
+                table.check(*column, -_LARGEST, _LARGEST)
+            elif axis != "z":
+                known = ", ".join(_COORDINATES[axis])
+                raise RecordingError(
+                    "{table}: there is no column for {axis}; expected one of {names}",
+                    table=table.name,
+                    axis=axis,
+                    names=known,
+                )
         if "position" in units:
             scale, y_down = TO_MM[units["position"]], False
         elif scale == MM_PER_PIXEL and y_down:
-            scale, y_down, notes = _pad_unit(table)
-        if table.column(*_PLACES["z"]) and table.column(*_PRESSURES):
+            scale, y_down, notes = _guess_pad_unit(table)
+        if table.column(*_COORDINATES["z"]) and table.column(*_PRESSURES):
             notes.append(
                 Message(
                     "without an orientation (qw, qx, qy, qz) x and y are those of a sheet that is "
                     "laid on the object; how deep the brush goes is told by its pressure, not by z"
                 )
             )
-        y = table.column(*_PLACES["y"])
+        y = table.column(*_COORDINATES["y"])
         assert y is not None, "it was checked"
         up = 1.0 if _unit_of(y[0]) or not y_down else -1.0
-    changes = _changes(table)
-    time_ns, told = _times(table, np.concatenate([[0], changes]), units.get("time"))
-    notes = [*told, *notes]
-    table.let_go(*_TIMES, *_STROKES)
+    strokes = table.column(*_STROKES)
+    stroke = np.zeros(0) if strokes is None else strokes[1]
+    changes = np.flatnonzero(stroke[1:] != stroke[:-1]) + 1  # first samples of later strokes
+    time_ns, time_notes = _read_times(table, np.concatenate([[0], changes]), units.get("time"))
+    notes = [*time_notes, *notes]
+    table.drop(*_TIMES, *_STROKES)
     buttons = table.column("buttons")
     pressed = None if buttons is None else table.check("buttons", buttons[1], 0, 2**31 - 1)
-    pressure = _pressures(table, time_ns, notes)
-    table.let_go(*_PRESSURES)
+    pressure = _read_pressure(table, time_ns, notes)
+    table.drop(*_PRESSURES)
     try:
         if quaternion is not None:
             given = {} if pressed is None else {"buttons": pressed}
-            return _posed(table, header, notes, time_ns, quaternion, tip, scale, pressure, given)
-        orientation = _leaning(table, up)
+            return _pose_recording(
+                table, header, notes, time_ns, quaternion, tip, scale, pressure, given
+            )
+        orientation = _read_orientation(table, up)
         if table.column(*_AZIMUTHS) is None:
             header = {"azimuth": "dragged", **header}
         if pressure is None:
             pressure = np.full(len(table), 0.5)
         lifts = Lifts(time_ns, pressure, changes - 1)
-        position = lifts.put_columns(_places(table, scale, up))
+        position = lifts.put_columns(_read_coordinates(table, scale, up))
         pressure = lifts.put_pressure(pressure)
-        notes += [*_small(position, pressure, ""), *_unread(table)]
+        notes += [*_scale_notes(position, pressure, ""), *_unread_notes(table)]
         return Recording(
             lifts.put_times(time_ns),
             position,
             lifts.put(orientation),
             pressure,
             **({} if pressed is None else {"buttons": lifts.put(pressed)}),
-            header=_noted({"space": "pad", **header}, notes),
+            header=_with_notes({"space": "pad", **header}, notes),
         )
     except RecordingError as cause:
         raise RecordingError("{table}: {cause}", table=table.name, cause=cause) from None
 
 
-def _noted(header: dict[str, Any], notes: list[str]) -> dict[str, Any]:
-    """The header with notes of its own and these."""
+def _with_notes(header: dict[str, Any], notes: list[str]) -> dict[str, Any]:
+    """The header with these notes added to its own."""
     return {**header, "notes": [*notes_of(header), *notes]} if notes else header
 
 
-def _unread(table: NumberTable) -> list[str]:
-    """What is to be told of columns that are passed over."""
+def _unread_notes(table: NumberTable) -> list[str]:
+    """Notes on columns that are ignored."""
     names = ", ".join(table.unread())[:200]
     return [Message("columns not read: {names}", names=names)] if names else []
 
 
-def _said_units(table: NumberTable, header: dict[str, Any]) -> dict[str, Any]:
-    """The header's units of places and times; they may not contradict the columns' names."""
+def _check_units(table: NumberTable, header: dict[str, Any]) -> dict[str, Any]:
+    """Units of positions and times in the header, which may not contradict the columns' names."""
     try:
         units = units_of(header, tuple(TO_NS))
     except RecordingError as cause:
@@ -271,12 +285,12 @@ def _said_units(table: NumberTable, header: dict[str, Any]) -> dict[str, Any]:
             table=table.name,
             unknown=", ".join(sorted(unknown)),
         )
-    places = [f"{prefix}{axis}" for prefix in ("", *_PREFIXES) for axis in "xyz"]
-    for key, starts, wanted in (("position", places, TO_MM), ("time", ["time"], TO_NS)):
+    coordinates = [f"{prefix}{axis}" for prefix in ("", *_PREFIXES) for axis in "xyz"]
+    for key, starts, wanted in (("position", coordinates, TO_MM), ("time", ["time"], TO_NS)):
         columns = [
             f"{start}_{unit}" for start in starts for unit in wanted if unit != units.get(key, unit)
         ]
-        other = _first(table, tuple(columns))
+        other = _first_present(table, tuple(columns))
         if other is not None:
             raise RecordingError(
                 "{table}: units: {key} is {unit}, and a column is {column}; expected one unit",
@@ -288,16 +302,7 @@ def _said_units(table: NumberTable, header: dict[str, Any]) -> dict[str, Any]:
     return units
 
 
-def _changes(table: NumberTable) -> AnyArray:
-    """First samples of all strokes but the first."""
-    found = table.column(*_STROKES)
-    if found is None:
-        return np.array([], np.int64)
-    stroke = found[1]
-    return np.flatnonzero(stroke[1:] != stroke[:-1]) + 1
-
-
-def _posed(
+def _pose_recording(
     table: NumberTable,
     header: dict[str, Any],
     notes: list[str],
@@ -308,17 +313,17 @@ def _posed(
     pressure: AnyArray | None,
     given: dict[str, AnyArray],
 ) -> Recording:
-    """A recording of poses; `tip` begins the names of its places where the tuft's tip is told."""
-    orientation = _columns(table, quaternion)
+    """A recording of poses; `tip` begins the names of coordinates that are the tuft's tip."""
+    orientation = _stack_columns(table, quaternion)
     if quaternion != _QUATERNION:
         orientation = multiply_quaternions(orientation, np.array(_TURNED))
-    position = _points(table, tip, scale)
+    position = _read_positions(table, tip, scale)
     ours = header.get("format") == FORMAT  # in the unit that it says
-    notes += [] if ours else _small(position, pressure, tip)
+    notes += [] if ours else _scale_notes(position, pressure, tip)
     contact = None
-    if _is_there(table, "contact_"):
-        contact = _points(table, "contact_", scale)
-        notes += [] if ours else _small(contact, pressure, "contact_")
+    if _has_columns(table, "contact_"):
+        contact = _read_positions(table, "contact_", scale)
+        notes += [] if ours else _scale_notes(contact, pressure, "contact_")
     if tip:
         if pressure is not None and contact is None:
             contact = position
@@ -332,62 +337,66 @@ def _posed(
             unread=", ".join(table.unread())[:200] or "-",
             names=", ".join(_PRESSURES),
         )
-    if _is_there(table, "object_"):
-        given = given | {"object_position": _points(table, "object_", scale)}
+    if _has_columns(table, "object_"):
+        given = given | {"object_position": _read_positions(table, "object_", scale)}
         names = tuple(f"object_{q}" for q in _QUATERNION)
-        if _first(table, names):
-            given["object_orientation"] = _columns(table, names)
-    notes += _unread(table)
+        if _first_present(table, names):
+            given["object_orientation"] = _stack_columns(table, names)
+    notes += _unread_notes(table)
+    header = _with_notes(header, notes)
     return Recording(
-        time_ns, position, orientation, pressure, header=_noted(header, notes), contact=contact,
-        **given,
-    )  # fmt: skip
+        time_ns, position, orientation, pressure, header=header, contact=contact, **given
+    )
 
 
-def _columns(table: NumberTable, names: tuple[str, ...]) -> AnyArray:
+def _stack_columns(table: NumberTable, names: tuple[str, ...]) -> AnyArray:
     checked = []
     for wanted in names:
-        found = table.column(wanted)
-        if found is None:
+        column = table.column(wanted)
+        if column is None:
             raise RecordingError("there is no column {wanted!r}", wanted=wanted)
-        checked.append(table.check(*found, -_LARGEST, _LARGEST))
+        checked.append(table.check(*column, -_LARGEST, _LARGEST))
     return np.stack(checked, axis=1)
 
 
-def _names(prefix: str, axis: str) -> tuple[str, ...]:
-    """Names that a column of places may have."""
+def _coordinate_names(prefix: str, axis: str) -> tuple[str, ...]:
+    """Names that a column of coordinates may have."""
     if prefix:
         return tuple(f"{prefix}{axis}{unit}" for unit in (*_UNITS, ""))
-    return _PLACES[axis]
+    return _COORDINATES[axis]
 
 
-def _is_there(table: NumberTable, prefix: str) -> bool:
-    return any(name in table.names for axis in "xyz" for name in _names(prefix, axis))
+def _has_columns(table: NumberTable, prefix: str) -> bool:
+    return any(name in table.names for axis in "xyz" for name in _coordinate_names(prefix, axis))
 
 
-def _points(table: NumberTable, prefix: str, scale: float) -> AnyArray:
-    """Places (N, 3) in mm; z of the brush's own is 0 where there is no column for it."""
+def _read_positions(table: NumberTable, prefix: str, scale: float) -> AnyArray:
+    """Positions (N, 3) in mm; z of the brush's own is 0 where there is no column for it."""
     columns = []
     for axis in "xyz":
-        found = table.column(*_names(prefix, axis))
-        if found is None and (prefix or axis != "z"):
+        column = table.column(*_coordinate_names(prefix, axis))
+        if column is None and (prefix or axis != "z"):
             raise RecordingError(
                 "there is no column for {axis}; expected one of {names}",
                 axis=f"{prefix}{axis}",
-                names=", ".join(_names(prefix, axis)),
+                names=", ".join(_coordinate_names(prefix, axis)),
             )
-        if found is None:
+        if column is None:
             columns.append(np.zeros(len(table)))
         else:
-            values = table.check(*found, -_LARGEST, _LARGEST)
-            columns.append(values * (_unit_of(found[0]) or scale))
+            values = table.check(*column, -_LARGEST, _LARGEST)
+            columns.append(values * (_unit_of(column[0]) or scale))
     return np.stack(columns, axis=1)
 
 
-def _unit_note(table: NumberTable, tip: str) -> list[str]:
-    """What is to be told of poses whose columns say no unit."""
-    of = [_names(prefix, axis) for prefix in (tip, *_PREFIXES[1:]) for axis in "xyz"]
-    bare = [name for name in (_first(table, names) for names in of) if name and not _unit_of(name)]
+def _unit_notes(table: NumberTable, tip: str) -> list[str]:
+    """Notes on poses whose columns give no unit."""
+    of = [_coordinate_names(prefix, axis) for prefix in (tip, *_PREFIXES[1:]) for axis in "xyz"]
+    bare = [
+        name
+        for name in (_first_present(table, names) for names in of)
+        if name and not _unit_of(name)
+    ]
     if not bare:
         return []
     return [
@@ -400,18 +409,18 @@ def _unit_note(table: NumberTable, tip: str) -> list[str]:
     ]
 
 
-def _first(table: NumberTable, names: tuple[str, ...]) -> str | None:
-    """The one of these columns that is read."""
+def _first_present(table: NumberTable, names: tuple[str, ...]) -> str | None:
+    """Name of the first of these columns that is present, or None."""
     return next((name for name in names if name in table.names), None)
 
 
-def _small(places: AnyArray, pressure: AnyArray | None, prefix: str) -> list[str]:
-    """What is to be told of a path (N, 3), mm, that is hardly in the unit it is taken for."""
+def _scale_notes(positions: AnyArray, pressure: AnyArray | None, prefix: str) -> list[str]:
+    """Notes on a path (N, 3), mm, that is hardly in the unit it is taken for."""
     metres = ", ".join(f"{prefix}{axis}_m" for axis in "xyz")
     what = ", ".join(f"{prefix}{axis}" for axis in "xyz")
-    if np.isnan(places).all():
+    if np.isnan(positions).all():
         return []
-    span = float((np.nanmax(places, axis=0) - np.nanmin(places, axis=0)).max())
+    span = float((np.nanmax(positions, axis=0) - np.nanmin(positions, axis=0)).max())
     if 0.0 < span < _LEAST_MM:
         return [
             Message(
@@ -421,12 +430,12 @@ def _small(places: AnyArray, pressure: AnyArray | None, prefix: str) -> list[str
                 metres=metres,
             )
         ]
-    starts, ends = _runs(np.ones(len(places), bool) if pressure is None else pressure > 0.0)
+    starts, ends = _runs(np.ones(len(positions), bool) if pressure is None else pressure > 0.0)
     if span == 0.0 or not len(starts):
         return []
     cuts = np.column_stack([starts, ends]).ravel()
-    cuts = cuts[:-1] if cuts[-1] == len(places) else cuts
-    high, low = (f.reduceat(places, cuts, axis=0)[::2] for f in (np.fmax, np.fmin))
+    cuts = cuts[:-1] if cuts[-1] == len(positions) else cuts
+    high, low = (f.reduceat(positions, cuts, axis=0)[::2] for f in (np.fmax, np.fmin))
     most = float(np.nan_to_num(high - low).max())
     if not 0.0 < most < _LEAST_MM:
         return []
@@ -448,16 +457,16 @@ def _runs(flags: AnyArray) -> tuple[AnyArray, AnyArray]:
 
 
 def _unit_of(column: str) -> float | None:
-    """Length in mm that a column's name says it counts in; None where it says none."""
+    """Length in mm of the unit in a column's name, or None."""
     return _UNITS.get(column[column.rfind("_") :]) if "_" in column else None
 
 
-def _pad_unit(table: NumberTable) -> tuple[float, bool, list[str]]:
-    """Scale and direction of y of a pad that does not tell them, and what is to be told of it."""
-    found = table.column(*_PLACES["x"])
-    if found is None or _unit_of(found[0]):
+def _guess_pad_unit(table: NumberTable) -> tuple[float, bool, list[str]]:
+    """Scale of a pad that gives none, whether its y grows downwards, and notes on both."""
+    x = table.column(*_COORDINATES["x"])
+    if x is None or _unit_of(x[0]):
         return MM_PER_PIXEL, True, []
-    force, height = table.column(*_FORCES), table.column(*_PLACES["z"])
+    force, height = table.column(*_FORCES), table.column(*_COORDINATES["z"])
     if force is None and height is None:
         note = (
             "x and y are taken for pixels of 1/96 inch, y downwards, as a screen counts; columns "
@@ -469,45 +478,31 @@ def _pad_unit(table: NumberTable) -> tuple[float, bool, list[str]]:
     return 1.0, False, notes
 
 
-def _check_place(table: NumberTable, axis: str) -> None:
-    found = table.column(*_PLACES[axis])
-    if found is not None:
-        table.check(*found, -_LARGEST, _LARGEST)
-    elif axis != "z":
-        names = ", ".join(_PLACES[axis])
-        raise RecordingError(
-            "{table}: there is no column for {axis}; expected one of {names}",
-            table=table.name,
-            axis=axis,
-            names=names,
-        )
-
-
-def _places(table: NumberTable, scale: float, up: float) -> Iterator[AnyArray]:
-    """x, y and z in mm, y upwards; each is forgotten by the table when the next is asked for."""
+def _read_coordinates(table: NumberTable, scale: float, up: float) -> Iterator[AnyArray]:
+    """Yield x, y and z in mm, y upwards; the table drops each as it is read, to save memory."""
     for axis in "xyz":
-        found = table.column(*_PLACES[axis])
-        if found is None:
+        column = table.column(*_COORDINATES[axis])
+        if column is None:
             yield np.zeros(len(table))
             continue
-        name, values = found
-        table.let_go(*_PLACES[axis])
-        del found
+        name, values = column
+        table.drop(*_COORDINATES[axis])
+        del column
         unit = _unit_of(name) or scale
         if unit != 1.0:
             values = values * unit
         yield -values if axis == "y" and up < 0.0 else values
 
 
-def _pressures(table: NumberTable, time_ns: AnyArray, notes: list[str]) -> AnyArray | None:
-    """Pressures, 0 to 1; of a force without the noise of its sensor, which is told in `notes`."""
-    found = table.column(*_PRESSURES)
-    if found is None:
+def _read_pressure(table: NumberTable, time_ns: AnyArray, notes: list[str]) -> AnyArray | None:
+    """Pressures, 0 to 1; of a force without its sensor's noise, which is added to `notes`."""
+    column = table.column(*_PRESSURES)
+    if column is None:
         return None
-    name, values = found
+    name, values = column
     if name not in _FORCES:
         return table.check(name, values, 0.0, 1.0)
-    noise = min(_NOISE_N, _NOISE_SHARE * float(np.abs(values).max()))
+    noise = min(_NOISE_N, _NOISE_FRACTION * float(np.abs(values).max()))
     if values.max() <= noise and values.min() < -noise:
         values = -values
         notes.append(Message("{name} is negative throughout: its sign is turned", name=name))
@@ -521,7 +516,7 @@ def _pressures(table: NumberTable, time_ns: AnyArray, notes: list[str]) -> AnyAr
             table=table.name,
             line=table.line(int(beyond[0])),
             name=name,
-            value=found[1][beyond[0]],
+            value=column[1][beyond[0]],
             most=MAX_FORCE_N,
         )
     if low.any():
@@ -559,7 +554,7 @@ def _pressures(table: NumberTable, time_ns: AnyArray, notes: list[str]) -> AnyAr
     return values / MAX_FORCE_N
 
 
-def _leaning(table: NumberTable, up: float) -> AnyArray:
+def _read_orientation(table: NumberTable, up: float) -> AnyArray:
     """Orientations from the lean; upright, the tip pointing up left, where it is not known."""
     angles, known = [], False
     for key, otherwise in (
@@ -567,10 +562,10 @@ def _leaning(table: NumberTable, up: float) -> AnyArray:
         ("altitude", 0.5 * math.pi),
         ("rotation", 0.0),
     ):
-        found = table.column(key, f"sensor_{key}", f"{key}_deg")
-        values = np.full(1, otherwise) if found is None else found[1]
-        known = known or found is not None
-        if found is not None and found[0].endswith("_deg"):
+        column = table.column(key, f"sensor_{key}", f"{key}_deg")
+        values = np.full(1, otherwise) if column is None else column[1]
+        known = known or column is not None
+        if column is not None and column[0].endswith("_deg"):
             values = np.radians(values)
         angles.append(table.check(key, values, -100.0, 100.0))
     if known:
@@ -579,14 +574,16 @@ def _leaning(table: NumberTable, up: float) -> AnyArray:
     return np.broadcast_to(same, (len(table), 4))
 
 
-def _times(table: NumberTable, starts: AnyArray, unit: str | None) -> tuple[AnyArray, list[str]]:
-    """Times in ns, and what had to be done to them.
+def _read_times(
+    table: NumberTable, starts: AnyArray, unit: str | None
+) -> tuple[AnyArray, list[str]]:
+    """Times in ns, and notes on corrections.
 
-    `starts` are the strokes' first samples, `unit` what the header says of a column without one.
+    `starts` are the strokes' first samples; `unit` is the header's, for a column that has none.
     """
-    found = table.column(*_TIMES)
-    assert found is not None, "the reader asks for one"
-    name, values = found
+    column = table.column(*_TIMES)
+    assert column is not None, "the reader asks for one"
+    name, values = column
     late = np.flatnonzero(values[1:] < values[:-1])
     if len(late):
         i = int(late[0]) + 1
@@ -604,8 +601,8 @@ def _times(table: NumberTable, starts: AnyArray, unit: str | None) -> tuple[AnyA
     else:
         is_bare = name not in ("time_ms", "time_s")
         unit_ns = TO_NS[unit] if unit is not None and is_bare else _TIMES[name]
-        times, notes = _rounded(values, unit_ns, starts)
-    times, n_moved = spread_ties(times)
+        times, notes = _times_in_ns(values, unit_ns, starts)
+    times, n_moved = spread_equal_times(times)
     if n_moved:
         notes.append(f"{n_moved} samples shared a time stamp; spread evenly up to the next one")
     tied = np.flatnonzero(times[1:] <= times[:-1])
@@ -619,8 +616,8 @@ def _times(table: NumberTable, starts: AnyArray, unit: str | None) -> tuple[AnyA
     return times, notes
 
 
-def _rounded(values: AnyArray, unit: float, starts: AnyArray) -> tuple[AnyArray, list[str]]:
-    """ns from the first stamp; strokes that start in ms but go on in s are put right."""
+def _times_in_ns(values: AnyArray, unit: float, starts: AnyArray) -> tuple[AnyArray, list[str]]:
+    """Times in ns from the first stamp; strokes that start in ms but go on in s are corrected."""
     counts = np.diff(np.append(starts, len(values)))
     total = values - np.repeat(values[starts], counts)
     notes = []
