@@ -123,6 +123,9 @@ class SceneDrawing:
         self._size = size
         self._ground: Any = None
         self._behind: NDArray[np.uint8] | None = None
+        self._roughness = gloss.each
+        self._last: NDArray[np.uint8] | None = None  # the picture before, and what of it is old:
+        self._changed = scene.vertices
 
     def __enter__(self) -> Self:
         scene = self._scene
@@ -146,17 +149,27 @@ class SceneDrawing:
 
         `roughness` (V,) replaces each vertex's own, if the gloss had one for each.
         """
-        drawn, renderer = self._object, self._canvas.renderer
+        drawn, renderer, before = self._object, self._canvas.renderer, self._scene
+        changed = [drawn.changed_by(scene.colours)]
         if roughness is not None:
+            assert self._roughness is not None, "the gloss had one for each"
+            marked = (roughness != self._roughness)[scene.faces].any(axis=1)
+            changed.append(scene.vertices[scene.faces[marked].ravel()])
+            self._roughness = roughness.copy()
             _set_roughness(drawn, roughness)
         drawn.set_colours(scene.colours)
         if scene.edges is not None:
             set_edges(drawn.data, scene.edges)
-        if scene.peak != self._scene.peak:
+        is_still = scene.vertices is before.vertices and scene.peak == before.peak
+        if scene.edges is None and is_still and scene.ground is before.ground:
+            self._changed = np.concatenate(changed)
+        else:
+            self._last = None
+        if scene.peak != before.peak:
             _light_body(renderer, scene.peak)
         if scene.ground is not None:
             self._show_ground(scene.ground)
-        if scene.vertices is not self._scene.vertices:
+        if scene.vertices is not before.vertices:
             drawn.set_shape(scene.vertices, scene.faces, scene.normals)
         self._scene = scene
 
@@ -173,19 +186,22 @@ class SceneDrawing:
         """Draw and return the pixels as `draw_scene` does.
 
         The ground and the backdrop have no edges: what lies around the object is drawn without
-        supersampling, and once for as long as it stays.
+        supersampling, and once for as long as it stays. Where only colours have changed since the
+        picture before, only their box is drawn anew.
         """
-        (width, height), box = self._size, _box_of(self._scene, self._size)
-        x0, y0, x1, y1 = box
+        width, height = self._size
+        shown = self._scene.vertices if self._last is None else self._changed
+        box = x0, y0, x1, y1 = _box_of(shown, self._scene.camera, self._size)
         with quiet_vtk(), told_of_opengl():
             if self._behind is None and self._transparent:
                 self._behind = np.zeros((height, width, 4), np.uint8)
             elif self._behind is None:
                 self._behind = self._draw((0, 0, width, height), 1, around=True)
-            pixels = self._behind.copy()
+            pixels = (self._behind if self._last is None else self._last).copy()
             if x1 > x0 and y1 > y0:
-                shown = self._draw(box, self._scale)
-                pixels[y0:y1, x0:x1] = join_pixels(shown, self._scale, self._transparent)
+                fine = self._draw(box, self._scale)
+                pixels[y0:y1, x0:x1] = join_pixels(fine, self._scale, self._transparent)
+        self._last = pixels
         return pixels
 
     def _draw(
@@ -379,11 +395,12 @@ def _light_body(renderer: Any, peak: float) -> None:
     irradiance.SetIrradianceStep(0.1)
 
 
-def _box_of(scene: Scene, size: tuple[int, int]) -> tuple[int, int, int, int]:
-    """Return the box of the picture that holds the object: left, top, right and bottom, pixels."""
-    (width, height), camera = size, scene.camera
-    right, up, back = picture_axes(camera)
-    seen = (scene.vertices - camera.position) @ np.stack([right, up, back], axis=1)
+def _box_of(points: AnyArray, camera: Camera, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Return the box of the picture that holds points (N, 3): left, top, right, bottom, pixels."""
+    width, height = size
+    if not len(points):
+        return 0, 0, 0, 0
+    seen = (points - camera.position) @ np.stack(picture_axes(camera), axis=1)
     depth = -seen[:, 2]
     if not depth.min() > 0.0:  # part of it lies beside the camera
         return 0, 0, width, height

@@ -546,7 +546,7 @@ def test_what_lies_around_the_object_looks_as_if_all_were_drawn_alike(shot, monk
     monkeypatch.setattr(scene, "_box_of", lambda *of: boxes.append(box_of(*of)) or boxes[-1])
     arrays = inked_ball()
     boxed = take_shot(arrays, shot)
-    monkeypatch.setattr(scene, "_box_of", lambda _, size: (0, 0, *size))
+    monkeypatch.setattr(scene, "_box_of", lambda *of: (0, 0, *of[-1]))
     x0, y0, x1, y1 = boxes[0]
     assert ((x1 - x0) * (y1 - y0) < 0.7 * SIZE[0] * SIZE[1]) == (shot.zoom == 1.0)
     difference = np.abs(boxed.astype(int) - take_shot(arrays, shot))
