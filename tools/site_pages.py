@@ -226,7 +226,8 @@ BY_OTHERS = (  # the pictures that build_gallery.py does not draw
     {
         "stroke.webp": "paint3d write 永 --on bowl --size 40 --at 0.5,0.58 --out yong.p3d "
         "--film stroke.webp --pixels 480x360",
-        "bowl.html": "paint3d write 春江花月夜 --on bowl --around --size 34 --out bowl.p3d\n"
+        "bowl.html": "paint3d write 春江潮水連海平海上明月 --on bowl --around --size 30 "
+        "--out bowl.p3d\n"
         "paint3d export bowl.p3d bowl.html --view-only",
         "palette.png": "python scripts/gallery/palette.py",
         "ink_flowers.png": "python scripts/gallery/ink.py flowers",
