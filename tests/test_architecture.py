@@ -42,7 +42,7 @@ HOMES = {
     "hidraw": {"device"},
     "websockets": {"device"},
     "open3d": {"files", "surface"},
-    "pyvista": {"surface", "view"},
+    "pyvista": {"surface"},
     "vtk": {"view"},
     "vtkmodules": {"view"},
     "numba": {"core"},

@@ -226,6 +226,9 @@ BY_OTHERS = (  # the pictures that build_gallery.py does not draw
     {
         "stroke.webp": "paint3d write 永 --on bowl --size 40 --at 0.5,0.58 --out yong.p3d "
         "--film stroke.webp --pixels 480x360",
+        "bowl.html": "paint3d write 春江潮水連海平海上明月 --on bowl --around --size 30 "
+        "--out bowl.p3d\n"
+        "paint3d export bowl.p3d bowl.html --view-only",
         "palette.png": "python scripts/gallery/palette.py",
         "ink_flowers.png": "python scripts/gallery/ink.py flowers",
         "brush_editor.png": f"{_SCREEN} scripts/gallery/brush_editor.py",
@@ -267,7 +270,9 @@ def gallery_page() -> str:
                 )
             for name, alt in new.items():
                 command = f"```sh\n{drawn_by(name)}\n```"
-                parts += [f"![{alt}](gallery/{name})", f"{alt[:1].upper()}{alt[1:]}:", command]
+                picture = "" if name.endswith(".html") else "!"  # a page is opened, not shown
+                parts += [f"{picture}[{alt}](gallery/{name})", f"{alt[:1].upper()}{alt[1:]}:"]
+                parts.append(command)
     return "\n\n".join(parts) + "\n"
 
 

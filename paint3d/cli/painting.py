@@ -354,15 +354,25 @@ def check_poses(
     Raises
     ------
     RecordingError
-        If it does in most samples near the surface; it says what to do.
+        If it does in most samples near the surface; it says what to do, which is another thing
+        where it was recorded on another object.
     """
     from paint3d.painter.pose_check import doubts_of, rooted
 
     length_mm = _brush(recording, wished).length_mm
     doubts = doubts_of(rooted(recording, length_mm), surface.closest_points, length_mm)
-    if doubts.handle is not None:
+    if doubts.handle is None:
+        return doubts
+    made_on, object_ = recording.header.get("object"), surface.source.name
+    if made_on in (None, object_):
         raise RecordingError("{name}: {handle}", name=name, handle=doubts.handle)
-    return doubts
+    raise RecordingError(
+        "{name}: it was recorded on {made_on}, and where its strokes lay there the handle would "
+        "point into {object}; expected --at U,V, which lays it on {object}",
+        name=name,
+        made_on=made_on,
+        object=object_,
+    )
 
 
 def paint(

@@ -58,7 +58,16 @@ paint3d report > report.txt
 """
 
 # Asked in processes of their own: a broken driver then costs one line, not the report.
-_ASK_RENDERER = "import pyvista; i = pyvista.GPUInfo(); print(f'{i.renderer}, OpenGL {i.version}')"
+_ASK_RENDERER = """
+import vtkmodules.vtkRenderingOpenGL2
+from vtkmodules.vtkRenderingCore import vtkRenderWindow
+window = vtkRenderWindow()
+window.SetOffScreenRendering(1)
+window.Render()
+said = [line.split(":  ", 1) for line in window.ReportCapabilities().splitlines()]
+said = {words[0]: words[1] for words in said if len(words) == 2}
+print(said["OpenGL renderer string"] + ", OpenGL " + said["OpenGL version string"])
+"""
 _ASK_DEVICES = "import hid; print(len(hid.enumerate()))"
 _PATIENCE_S = 60
 

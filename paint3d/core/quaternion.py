@@ -16,7 +16,6 @@ import math
 from typing import Any
 
 import numpy as np
-from scipy.spatial.transform import Rotation
 
 from paint3d.core.arrays import AnyArray
 from paint3d.core.kernel import kernel
@@ -171,6 +170,8 @@ def quaternions_from_matrices(matrices: AnyArray) -> AnyArray:
 
     A matrix that is not quite a rotation is taken for the nearest one.
     """
+    from scipy.spatial.transform import Rotation  # which takes long to load
+
     given = np.asarray(matrices, dtype=np.float64)
     xyzw = Rotation.from_matrix(given.reshape(-1, 3, 3)).as_quat()
     wxyz = xyzw[:, [3, 0, 1, 2]]

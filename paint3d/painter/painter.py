@@ -547,7 +547,17 @@ class Painter:
             Let the ink spread and dry meanwhile, in the recording's own time (`painter.ink_time`).
         table : StrokeTable, optional
             Takes a row for every stroke; the painting is the same without.
+
+        Raises
+        ------
+        InputError
+            If it is no recording, such as the name of a file.
         """
+        if not isinstance(recording, Recording | LaidPad):
+            raise InputError(
+                "a recording was expected, and {kind} was given; load_recording(FILE) reads one",
+                kind=type(recording).__name__,
+            )
         self.finish()
         doubts: tuple[Message | None, ...] = ()
         if isinstance(recording, Recording):

@@ -13,10 +13,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
 
 from paint3d.core.arrays import AnyArray
-from paint3d.view.kernels.depth_map import DepthMap, Floor, Light, add_sunlight, fill_depth_map
+from paint3d.view.kernels.depth_map import (
+    DepthMap,
+    Floor,
+    Light,
+    add_sunlight,
+    fill_depth_map,
+    shade_floor,
+)
 from paint3d.view.studio import Sun
 
 __all__ = ["Ground", "Occluder", "light_ground", "light_points"]
@@ -51,8 +57,10 @@ class Occluder:
         u, v = rng.random((2, SAMPLES), dtype=np.float32)
         u, v = np.where(u + v > 1, (1 - u, 1 - v), (u, v))
         edges = edges[chosen]
-        self.points = corners[chosen, 0] + u[:, None] * edges[:, 0] + v[:, None] * edges[:, 1]
+        points = corners[chosen, 0] + u[:, None] * edges[:, 0] + v[:, None] * edges[:, 1]
+        self.lowest = float(points[:, 2].min())
         self.centre = (vertices.min(axis=0) + vertices.max(axis=0)).astype(np.float64) / 2
+        self._points = np.ascontiguousarray((points - self.centre).T, np.float32)
         self.radius = float(np.linalg.norm(vertices - self.centre, axis=1).max())
         self.cell = 2.04 * self.radius / CELLS
         self._depth_maps: dict[bytes, DepthMap] = {}
@@ -73,6 +81,14 @@ class Occluder:
             add_sunlight(points, normals, lift, depth_map, light, floor, lit, hidden)
         return lit, hidden
 
+    def shade(self, suns: list[Sun], ground: Ground) -> None:
+        """Take the light of `suns`, all above it, off a ground where the object is in between."""
+        x, y, z = ground.origin.tolist()
+        floor = Floor(ground.openness, x, y, z, ground.half)
+        weights = [float(sun.irradiance.mean() * sun.direction[2]) for sun in suns]
+        for sun, weight in zip(suns, weights, strict=True):
+            shade_floor(self._depth_map(sun.direction), weight / sum(weights), floor)
+
     def _depth_map(self, direction: NDArray[np.float64]) -> DepthMap:
         """Return the depth map seen from a light; cached, as floor and object both need it."""
         key = direction.tobytes()
@@ -82,7 +98,7 @@ class Occluder:
             axes = np.stack([u, np.cross(direction, u), direction])
             depth = np.empty((CELLS, CELLS), dtype=np.float32)
             depth_map = DepthMap(self.centre, axes, 1 / self.cell, depth)
-            fill_depth_map(self.points, depth_map)
+            fill_depth_map(self._points, depth_map)
             self._depth_maps[key] = depth_map
         return self._depth_maps[key]
 
@@ -102,21 +118,27 @@ class Ground:
 def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
     """Return the floor just under the object's lowest point, with the object's soft shadow."""
     half = GROUND_HALF * occluder.radius
-    floor = occluder.points[:, 2].min() - GAP * occluder.radius
+    floor = occluder.lowest - GAP * occluder.radius
     origin = np.array([occluder.centre[0], occluder.centre[1], floor], dtype=np.float64)
-    empty = Ground(origin, half, np.ones((1, 1)))
-    ticks = ((np.arange(GROUND_CELLS) + 0.5) / GROUND_CELLS * 2 - 1) * half
-    x, y = np.meshgrid(ticks + origin[0], ticks + origin[1])
-    points = np.stack([x, y, np.full_like(x, floor)], axis=-1).reshape(-1, 3).astype(np.float32)
-    normals = np.tile(np.array([0, 0, 1], np.float32), (len(points), 1))
+    openness = np.ones((GROUND_CELLS, GROUND_CELLS))
     above = [sun for sun in suns if sun.direction[2] > 0]
-    lit = occluder.shine(above, points, normals, 0.0, empty)[0].mean(axis=1)
-    full = sum(sun.irradiance.mean() * sun.direction[2] for sun in above)
-    openness = (lit / full).reshape(GROUND_CELLS, GROUND_CELLS)
+    occluder.shade(above, Ground(origin, half, openness))
     # Blur least where the shadow is darkest: under the object, where contact is visible.
-    sharp, soft = (gaussian_filter(openness, blur, mode="nearest") for blur in GROUND_BLURS)
+    sharp, soft = (_blurred(openness, blur) for blur in GROUND_BLURS)
     dark = np.clip((SHARP_BELOW - soft) / SHARP_BELOW * 2, 0, 1)
     return Ground(origin, half, soft + dark * (sharp - soft))
+
+
+def _blurred(openness: AnyArray, cells: float) -> AnyArray:
+    """Return an array (N, N) blurred by a Gaussian; SciPy's takes longer to load than a picture."""
+    reach = int(4.0 * cells + 0.5)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / cells) ** 2)
+    weights /= weights.sum()
+    for _ in range(2):  # down, then across
+        wide = np.pad(openness, ((reach, reach), (0, 0)), mode="edge")
+        rows = len(openness)
+        openness = sum(w * wide[k : k + rows] for k, w in enumerate(weights)).T
+    return openness
 
 
 def light_points(

@@ -44,6 +44,7 @@ SHALLOWEST = 0.02  # sine of the camera's elevation below which the ground is le
 VIGNETTE = 0.34  # relative darkening in the corners
 SMALLEST, LARGEST = 16, 4096  # pixels
 WHITE_POINT = 0.74  # linear brightness of best-lit ideal white: leaves headroom for highlights
+_LEVELS = 65535  # of linear light in a table
 SHOULDER = 1.5  # power of the film curve, see `develop`
 
 
@@ -285,11 +286,12 @@ def develop(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def _printed(pixels: NDArray[np.uint8], vignette: AnyArray | float) -> NDArray[np.uint8]:
     height, width = pixels.shape[:2]
-    printed = (1 - (1 - srgb_to_linear(pixels)) ** SHOULDER) * vignette
+    shown = 1 - (1 - srgb_to_linear(np.arange(256, dtype=np.uint8))) ** SHOULDER
+    codes = 255 * linear_to_srgb(np.arange(_LEVELS + 1, dtype=np.float32) / _LEVELS)
+    printed = np.take(_LEVELS * shown, pixels) * vignette
     grain = np.random.default_rng(7).random((height, width, 1), dtype=np.float32) - 0.5
-    result: NDArray[np.uint8] = np.rint(
-        np.clip(linear_to_srgb(printed) * 255 + grain, 0, 255)
-    ).astype(np.uint8)
+    seen = np.take(codes, (printed + np.float32(0.5)).astype(np.uint16)) + grain
+    result: NDArray[np.uint8] = np.rint(np.clip(seen, 0, 255, out=seen), out=seen).astype(np.uint8)
     return result
 
 

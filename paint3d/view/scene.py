@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from paint3d.core.arrays import AnyArray
 from paint3d.core.ending import holding_interrupts
 from paint3d.errors import ExportError
-from paint3d.view.camera import Camera
+from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.view.camera import Camera, picture_axes
 from paint3d.view.daylight import Ground
 from paint3d.view.edges import (
     SRGB_CODES,
@@ -21,11 +22,11 @@ from paint3d.view.edges import (
     Edges,
     EdgeShaders,
     draw_edges,
-    own_mapper,
     set_edges,
 )
 from paint3d.view.paper import Paper, show_paper
 from paint3d.view.studio import LIGHTS, Gloss, Studio, linear_to_srgb, make_panorama, srgb_to_linear
+from paint3d.view.vtk_parts import DrawnMesh, make_texture
 
 __all__ = [
     "FlatDrawing",
@@ -45,6 +46,7 @@ DIFFUSE = 0.924  # fraction of even light that VTK reflects from rough white; me
 SAMPLES_A_PIXEL = 8  # if the driver has as many: software has 4, and none over some edges
 FINER = 2  # supersampling along each axis
 MOST_PIXELS = 8192  # greatest number drawn along a side
+_MARGIN = 2  # pixels around an object
 _ROWS = 16  # of a picture that are joined at once: so few stay in the processor's cache
 MATTE_IOR, GLAZE_IOR = 1.1, 1.53
 _FILM_MIRRORS = (
@@ -118,69 +120,140 @@ class SceneDrawing:
         self._scene, self._gloss, self._transparent = scene, gloss, transparent
         finer = FINER + transparent
         self._scale = finer if max(size) * finer <= MOST_PIXELS else 1
-        self._size = tuple(self._scale * n for n in size)
-        self._plotter: Any = None
+        self._size = size
+        self._ground: Any = None
+        self._behind: NDArray[np.uint8] | None = None
+        self._roughness = gloss.each
+        self._last: NDArray[np.uint8] | None = None  # the picture before, and what of it is old:
+        self._changed = scene.vertices
 
     def __enter__(self) -> Self:
         scene = self._scene
         with quiet_vtk(), told_of_opengl():
-            import pyvista as pv
-
-            plotter = pv.Plotter(off_screen=True, window_size=self._size, lighting="none")
-            self._plotter = plotter
+            self._canvas = _Canvas(linear_to_srgb(BACKDROP))
             try:
-                plotter.set_background(linear_to_srgb(BACKDROP))
-                self._object = _add_object(plotter, scene, self._gloss)
-                self._ground = None
-                if scene.ground is not None:
-                    self._ground = _add_ground(plotter, scene.ground)
-                _add_studio(plotter, scene)
-                _place_camera(plotter, scene)
-                if not self._transparent:  # else samples must be object or not, never a mix
-                    plotter.enable_anti_aliasing("msaa", multi_samples=SAMPLES_A_PIXEL)
+                self._object = _lit_object(scene, self._gloss)
+                self._canvas.renderer.AddActor(self._object.actor)
+                self._show_ground(scene.ground)
+                _add_studio(self._canvas.renderer, scene)
             except BaseException:
-                plotter.close()
+                self._canvas.close()
                 raise
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._plotter.close()
+        self._canvas.close()
 
     def show(self, scene: Scene, roughness: AnyArray | None = None) -> None:
         """Replace the scene by one of the same faces, camera and studio.
 
         `roughness` (V,) replaces each vertex's own, if the gloss had one for each.
         """
-        mesh = self._object
+        drawn, renderer, before = self._object, self._canvas.renderer, self._scene
+        changed = [drawn.changed_by(scene.colours)]
         if roughness is not None:
-            mesh.active_texture_coordinates[:] = _roughness_coordinates(roughness)
-            mesh.GetPointData().GetTCoords().Modified()
-        mesh.point_data["light"][:] = scene.colours
-        mesh.GetPointData().GetScalars().Modified()
+            assert self._roughness is not None, "the gloss had one for each"
+            marked = (roughness != self._roughness)[scene.faces].any(axis=1)
+            changed.append(scene.vertices[scene.faces[marked].ravel()])
+            self._roughness = roughness.copy()
+            _set_roughness(drawn, roughness)
+        drawn.set_colours(scene.colours)
         if scene.edges is not None:
-            set_edges(mesh, scene.edges)
-        if scene.vertices is not self._scene.vertices:
-            mesh.points[:] = scene.vertices
-            mesh.GetPoints().Modified()
-            mesh.point_data["Normals"][:] = scene.normals
-            mesh.GetPointData().GetNormals().Modified()
-        if scene.peak != self._scene.peak:
-            _light_body(self._plotter.renderer, scene.peak)
-        if scene.ground is not None and scene.ground is not self._scene.ground:
-            self._plotter.remove_actor(self._ground, render=False)
-            self._ground = _add_ground(self._plotter, scene.ground)
-        mesh.Modified()
-        if scene.vertices is not self._scene.vertices:  # the depth range has changed
-            self._plotter.reset_camera_clipping_range()
+            set_edges(drawn.data, scene.edges)
+        is_still = scene.vertices is before.vertices and scene.peak == before.peak
+        if scene.edges is None and is_still and scene.ground is before.ground:
+            self._changed = np.concatenate(changed)
+        else:
+            self._last = None
+        if scene.peak != before.peak:
+            _light_body(renderer, scene.peak)
+        if scene.ground is not None:
+            self._show_ground(scene.ground)
+        if scene.vertices is not before.vertices:
+            drawn.set_shape(scene.vertices, scene.faces, scene.normals)
         self._scene = scene
 
+    def _show_ground(self, ground: Ground | None) -> None:
+        """Replace the ground, if it is another one."""
+        if self._ground is not None and ground is not self._scene.ground:
+            self._canvas.renderer.RemoveActor(self._ground)
+            self._ground = self._behind = None
+        if self._ground is None and ground is not None:
+            self._ground = _draw_ground(ground)
+            self._canvas.renderer.AddActor(self._ground)
+
     def pixels(self) -> NDArray[np.uint8]:
-        """Draw and return the pixels as `draw_scene` does."""
-        plotter = self._plotter
+        """Draw and return the pixels as `draw_scene` does.
+
+        The ground and the backdrop have no edges: what lies around the object is drawn without
+        supersampling, and once for as long as it stays. Where only colours have changed since the
+        picture before, only their box is drawn anew.
+        """
+        width, height = self._size
+        shown = self._scene.vertices if self._last is None else self._changed
+        box = x0, y0, x1, y1 = _box_of(shown, self._scene.camera, self._size)
         with quiet_vtk(), told_of_opengl():
-            plotter.render()
-            shown = plotter.screenshot(return_img=True, transparent_background=self._transparent)
-        return join_pixels(shown, self._scale, self._transparent)
+            if self._behind is None and self._transparent:
+                self._behind = np.zeros((height, width, 4), np.uint8)
+            elif self._behind is None:
+                self._behind = self._draw((0, 0, width, height), 1, around=True)
+            pixels = (self._behind if self._last is None else self._last).copy()
+            if x1 > x0 and y1 > y0:
+                fine = self._draw(box, self._scale)
+                pixels[y0:y1, x0:x1] = join_pixels(fine, self._scale, self._transparent)
+        self._last = pixels
+        return pixels
+
+    def _draw(
+        self, box: tuple[int, int, int, int], scale: int, *, around: bool = False
+    ) -> NDArray[np.uint8]:
+        """Return the pixels of a box of the picture, `scale` times as fine, or what is `around`."""
+        canvas = self._canvas
+        self._object.show(not around)
+        # of what is transparent, samples must be object or not, never a mix
+        canvas.window.SetMultiSamples(0 if around or self._transparent else SAMPLES_A_PIXEL)
+        canvas.window.SetSize(scale * (box[2] - box[0]), scale * (box[3] - box[1]))
+        _place_camera(canvas.renderer, self._scene.camera, box, self._size)
+        return canvas.pixels(transparent=self._transparent)
+
+
+class _Canvas:
+    """A window that is never shown, with one renderer, `renderer`, that has no lights."""
+
+    def __init__(self, background: AnyArray) -> None:
+        import vtkmodules.vtkRenderingOpenGL2  # noqa: F401  implements the classes below
+        from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
+
+        self.window, self.renderer = vtkRenderWindow(), vtkRenderer()
+        self.window.SetOffScreenRendering(1)
+        self.window.AddRenderer(self.renderer)
+        self.renderer.SetAutomaticLightCreation(False)
+        self.renderer.SetBackground(*background)
+
+    def pixels(self, *, transparent: bool) -> NDArray[np.uint8]:
+        """Draw; return the pixels (H, W, 3), or 4 if transparent, first row at the top."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+        from vtkmodules.vtkCommonCore import vtkUnsignedCharArray
+
+        width, height = self.window.GetSize()
+        self.renderer.SetBackgroundAlpha(0.0 if transparent else 1.0)
+        self.window.SetAlphaBitPlanes(transparent)
+        self.window.Render()
+        shown, box = vtkUnsignedCharArray(), (0, 0, width - 1, height - 1)
+        right = 0  # of two eyes
+        front = 1  # of the buffers: there samples are joined by light, in the other one by codes
+        if transparent:
+            self.window.GetRGBACharPixelData(*box, front, shown, right)
+        else:
+            self.window.GetPixelData(*box, front, shown, right)
+        if shown.GetNumberOfTuples() != width * height:
+            raise RuntimeError("it gave no pixels")
+        pixels: NDArray[np.uint8] = vtk_to_numpy(shown).reshape(height, width, -1)[::-1]
+        return pixels
+
+    def close(self) -> None:
+        """Give the memory of the window back."""
+        self.window.Finalize()
 
 
 @contextmanager
@@ -234,55 +307,51 @@ def _join_rows(pixels: AnyArray, scale: int, transparent: bool) -> AnyArray:
     return np.concatenate(shown, axis=2)
 
 
-def _add_object(plotter: Any, scene: Scene, gloss: Gloss) -> Any:
-    import pyvista as pv
-
-    mesh = pv.PolyData.from_regular_faces(scene.vertices, scene.faces)
-    mesh.point_data["Normals"] = scene.normals
-    mesh.GetPointData().SetActiveNormals("Normals")
-    mesh.point_data["light"] = scene.colours
-    roughness = gloss.seen_roughness
-    if gloss.each is not None:
-        mesh.active_texture_coordinates = _roughness_coordinates(gloss.each)
-        roughness = 1.0  # multiplies the texture's
-    actor = plotter.add_mesh(
-        mesh, scalars="light", rgb=True, pbr=True, metallic=0.0, roughness=roughness
-    )
+def _lit_object(scene: Scene, gloss: Gloss) -> DrawnMesh:
+    drawn = DrawnMesh()
+    drawn.set_shape(scene.vertices, scene.faces, scene.normals)
+    drawn.set_colours(scene.colours)
+    drawn.drop_nothing()
+    actor = drawn.actor
+    surface, shader = actor.GetProperty(), actor.GetShaderProperty()
+    surface.SetBackfaceCulling(TriangleMesh(scene.vertices, scene.faces).is_solid)
+    surface.SetInterpolationToPBR()
+    surface.SetMetallic(0.0)
+    surface.SetRoughness(gloss.seen_roughness if gloss.each is None else 1.0)  # times a texture's
     # A matte surface's own reflection is already part of its painted colour.
-    actor.GetProperty().SetBaseIOR(MATTE_IOR + gloss.coat * (GLAZE_IOR - MATTE_IOR))
+    surface.SetBaseIOR(MATTE_IOR + gloss.coat * (GLAZE_IOR - MATTE_IOR))
     if gloss.each is not None:
+        _set_roughness(drawn, gloss.each)
         scale = np.zeros((1, 256, 3), np.uint8)  # occlusion, roughness, metallic
         scale[..., 0] = 255
         scale[..., 1] = np.arange(256)
-        actor.GetProperty().SetORMTexture(_texture(scale, plain=True))
-        shader = actor.GetShaderProperty()
+        surface.SetORMTexture(_texture(scale))
         shader.AddFragmentShaderReplacement("vec3(baseF0Uniform)", False, _FILM_MIRRORS, True)
-    own_mapper(actor, mesh, "light")
     paper = Paper(gloss.paper) if gloss.paper > 0.0 else None
     if scene.edges is not None:
-        draw_edges(actor, mesh, scene.edges, _LIT_EDGES, paper)
+        draw_edges(actor, drawn.data, scene.edges, _LIT_EDGES, paper)
     if paper is not None:
-        show_paper(actor, mesh, scene.places, paper, codes=False)
-    return mesh
+        show_paper(actor, drawn.data, scene.places, paper, codes=False)
+    return drawn
 
 
-def _roughness_coordinates(roughness: AnyArray) -> AnyArray:
-    """Return texture coordinates (V, 2) of roughnesses (V,) in a texture of 256 levels."""
+def _set_roughness(drawn: DrawnMesh, roughness: AnyArray) -> None:
+    """Set the roughness (V,) of each vertex as a place in a texture of 256 levels."""
     u = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
-    coordinates: AnyArray = np.stack([u, np.full_like(u, 0.5)], axis=1)
-    return coordinates
+    drawn.set_corners(np.stack([u, np.full_like(u, 0.5)], axis=1))
 
 
-def _add_ground(plotter: Any, ground: Ground) -> Any:
-    import pyvista as pv
-
+def _draw_ground(ground: Ground) -> Any:
+    """Return the actor of the ground."""
     half, origin = ground.half, ground.origin
     corners = origin + half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-    square = pv.PolyData.from_regular_faces(corners, [[0, 1, 2], [0, 2, 3]])
-    square.active_texture_coordinates = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], float)
+    square = DrawnMesh()
+    square.set_shape(corners, np.array([[0, 1, 2], [0, 2, 3]]))
+    square.set_corners(np.array([[0, 0], [1, 0], [1, 1], [0, 1]]))
     pixels = np.rint(255 * linear_to_srgb(_ground_light(ground))).astype(np.uint8)
-    texture = _texture(pixels, plain=True)
-    return plotter.add_mesh(square, texture=texture, lighting=False, reset_camera=False)
+    square.actor.SetTexture(_texture(pixels))
+    square.actor.GetProperty().SetLighting(False)
+    return square.actor
 
 
 def _ground_light(ground: Ground) -> NDArray[np.float64]:
@@ -299,13 +368,11 @@ def _ground_light(ground: Ground) -> NDArray[np.float64]:
     return result
 
 
-def _add_studio(plotter: Any, scene: Scene) -> None:
+def _add_studio(renderer: Any, scene: Scene) -> None:
     """Reflect the panorama; light the body evenly, since vertex colours include the light."""
-    renderer = plotter.renderer
-    renderer.SetAutomaticLightCreation(False)
     renderer.SetUseImageBasedLighting(True)
     renderer.SetEnvironmentTexture(
-        _texture(scene.exposure * make_panorama(studio=scene.studio)), False
+        _texture(scene.exposure * make_panorama(studio=scene.studio), smaller=True), False
     )
     renderer.SetUseSphericalHarmonics(False)
     renderer.SetEnvironmentRight(1, 0, 0)
@@ -321,34 +388,54 @@ def _add_studio(plotter: Any, scene: Scene) -> None:
 def _light_body(renderer: Any, peak: float) -> None:
     """Set even light such that vertex colours appear as light times `peak`."""
     irradiance = renderer.GetEnvMapIrradiance()
-    irradiance.SetInputTexture(_texture(np.full((2, 4, 3), peak / DIFFUSE, np.float32)))
+    irradiance.SetInputTexture(
+        _texture(np.full((2, 4, 3), peak / DIFFUSE, np.float32), smaller=True)
+    )
     irradiance.SetIrradianceSize(4)
     irradiance.SetIrradianceStep(0.1)
 
 
-def _place_camera(plotter: Any, scene: Scene) -> None:
-    camera = plotter.camera
-    camera.position, camera.focal_point = scene.camera.position, scene.camera.focus
-    camera.up = scene.camera.up
-    camera.view_angle = np.degrees(scene.camera.view_angle)
-    plotter.reset_camera_clipping_range()
+def _box_of(points: AnyArray, camera: Camera, size: tuple[int, int]) -> tuple[int, int, int, int]:
+    """Return the box of the picture that holds points (N, 3): left, top, right, bottom, pixels."""
+    width, height = size
+    if not len(points):
+        return 0, 0, 0, 0
+    seen = (points - camera.position) @ np.stack(picture_axes(camera), axis=1)
+    depth = -seen[:, 2]
+    if not depth.min() > 0.0:  # part of it lies beside the camera
+        return 0, 0, width, height
+    places = seen[:, :2] / depth[:, None] / np.tan(camera.view_angle / 2) * (height / 2)
+    x, y = places[:, 0] + width / 2, height / 2 - places[:, 1]
+    low = np.floor([x.min(), y.min()]).astype(int) - _MARGIN
+    high = np.ceil([x.max(), y.max()]).astype(int) + _MARGIN
+    (x0, y0), (x1, y1) = (np.clip(end, 0, size).tolist() for end in (low, high))
+    return x0, y0, x1, y1
 
 
-def _texture(pixels: AnyArray, *, plain: bool = False) -> Any:
+def _place_camera(
+    renderer: Any, eye: Camera, box: tuple[int, int, int, int], size: tuple[int, int]
+) -> None:
+    """Have a renderer show a box of the picture that a camera takes."""
+    (x0, y0, x1, y1), (width, height), camera = box, size, renderer.GetActiveCamera()
+    camera.SetPosition(*eye.position)
+    camera.SetFocalPoint(*eye.focus)
+    camera.SetViewUp(*eye.up)
+    part = (y1 - y0) / height
+    camera.SetViewAngle(np.degrees(2 * np.arctan(part * np.tan(eye.view_angle / 2))))
+    camera.SetWindowCenter((x0 + x1 - width) / (x1 - x0), (height - y0 - y1) / (y1 - y0))
+    renderer.ResetCameraClippingRange()
+
+
+def _texture(pixels: AnyArray, *, smaller: bool = False) -> Any:
     """Return a texture of the (H, W, 3) array, first row at the bottom, values unchanged.
 
-    A `plain` one has no mipmaps, whose transitions would be visible at grazing angles.
+    With `smaller` copies (mipmaps), whose transitions are visible at grazing angles.
     """
-    import pyvista as pv
+    from vtkmodules.vtkRenderingCore import vtkTexture
 
-    height, width = pixels.shape[:2]
-    image = pv.ImageData(dimensions=(width, height, 1))
-    image.point_data["pixels"] = np.ascontiguousarray(pixels).reshape(-1, 3)
-    image.GetPointData().SetActiveScalars("pixels")
-    texture = pv.Texture(image)
-    texture.SetColorModeToDirectScalars()
-    texture.SetInterpolate(True)
-    texture.SetMipmap(not plain)
+    texture = make_texture(pixels)
+    texture.SetWrap(vtkTexture.Repeat)
+    texture.SetMipmap(smaller)
     return texture
 
 
@@ -457,20 +544,18 @@ class FlatDrawing:
         self._faces, self._frame, self._transparent = faces, frame, transparent
         self._paper = paper
         self._scale = _FINER if max(size) * _FINER <= MOST_PIXELS else 1
-        self._size = tuple(self._scale * n for n in size)
-        self._plotter: Any = None
-        self._mesh: Any = None
+        self._size = (self._scale * size[0], self._scale * size[1])
+        self._drawn: DrawnMesh | None = None
 
     def __enter__(self) -> Self:
         with quiet_vtk(), told_of_opengl():
-            import pyvista as pv
-
-            self._plotter = pv.Plotter(off_screen=True, window_size=self._size, lighting="none")
-            self._plotter.set_background("white")
+            self._canvas = _Canvas(np.ones(3))
+            self._canvas.window.SetSize(*self._size)
+            self._canvas.window.SetMultiSamples(SAMPLES_A_PIXEL)
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._plotter.close()
+        self._canvas.close()
 
     def pixels(
         self, vertices: AnyArray, srgb: AnyArray, edges: Edges | None = None
@@ -479,41 +564,33 @@ class FlatDrawing:
 
         Edges are drawn sharp each time or never.
         """
-        import pyvista as pv
-
         seen = (vertices @ self._frame.axes.T).astype(np.float32)
-        plotter = self._plotter
         with quiet_vtk(), told_of_opengl():
-            if self._mesh is None:
-                mesh = self._mesh = pv.PolyData.from_regular_faces(seen, self._faces)
-                mesh.point_data["srgb"] = srgb
-                actor = plotter.add_mesh(mesh, scalars="srgb", rgb=True, lighting=False)
-                own_mapper(actor, mesh, "srgb")
+            if self._drawn is None:
+                drawn = self._drawn = DrawnMesh()
+                drawn.actor.GetProperty().SetLighting(False)
                 paper = Paper(self._paper) if self._paper > 0.0 else None
                 if edges is not None:
-                    draw_edges(actor, mesh, edges, _FLAT_EDGES, paper)
+                    draw_edges(drawn.actor, drawn.data, edges, _FLAT_EDGES, paper)
                 if paper is not None:
-                    show_paper(actor, mesh, vertices, paper, codes=True)
-            else:
-                self._mesh.points[:] = seen
-                self._mesh.GetPoints().Modified()
-                self._mesh.point_data["srgb"][:] = srgb
-                self._mesh.GetPointData().GetScalars().Modified()
-                if edges is not None:
-                    set_edges(self._mesh, edges)
+                    show_paper(drawn.actor, drawn.data, vertices, paper, codes=True)
+                self._canvas.renderer.AddActor(drawn.actor)
+            elif edges is not None:
+                set_edges(self._drawn.data, edges)
+            self._drawn.set_shape(seen, self._faces)
+            self._drawn.set_colours(srgb)
             self._place_camera(seen)
-            plotter.render()
-            shown = plotter.screenshot(return_img=True, transparent_background=self._transparent)
+            shown = self._canvas.pixels(transparent=self._transparent)
         return join_pixels(shown, self._scale, self._transparent)
 
     def _place_camera(self, seen: AnyArray) -> None:
-        frame, camera = self._frame, self._plotter.camera
+        frame, camera = self._frame, self._canvas.renderer.GetActiveCamera()
         deep = max(float(np.ptp(seen[:, 2])), 1e-3 * frame.height)
         x, y = frame.middle.tolist()
         middle = float(seen[:, 2].max() + seen[:, 2].min()) / 2
-        camera.parallel_projection = True
-        camera.parallel_scale = frame.height / 2
-        camera.focal_point = (x, y, middle)
-        camera.position = (x, y, middle + _FAR * deep)
-        camera.up = (0.0, 1.0, 0.0)
-        self._plotter.renderer.ResetCameraClippingRange()
+        camera.ParallelProjectionOn()
+        camera.SetParallelScale(frame.height / 2)
+        camera.SetFocalPoint(x, y, middle)
+        camera.SetPosition(x, y, middle + _FAR * deep)
+        camera.SetViewUp(0.0, 1.0, 0.0)
+        self._canvas.renderer.ResetCameraClippingRange()

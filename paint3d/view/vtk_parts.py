@@ -40,6 +40,8 @@ class DrawnMesh:
     ----------
     actor : vtkActor
         For setting its appearance.
+    data : vtkPolyData
+        What its mapper draws, for attributes of other kinds.
     """
 
     def __init__(self, fourth: int = 255) -> None:
@@ -47,9 +49,9 @@ class DrawnMesh:
         from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
         self._fourth = fourth
-        self._data = vtkPolyData()
+        self.data = vtkPolyData()
         self._mapper = vtkPolyDataMapper()
-        self._mapper.SetInputData(self._data)
+        self._mapper.SetInputData(self.data)
         self._mapper.SetColorModeToDirectScalars()
         self._mapper.SetStatic(1)
         self._faces: AnyArray | None = None
@@ -81,12 +83,12 @@ class DrawnMesh:
         self._place.SetData(_shared(self._points))
         cells = make["vtkCellArray"]()
         cells.SetData(3, _shared(np.ascontiguousarray(faces, np.int32).reshape(-1, 1)))
-        self._data.SetPoints(self._place)
-        self._data.SetPolys(cells)
+        self.data.SetPoints(self._place)
+        self.data.SetPolys(cells)
         if normals is not None:
             self._normals = np.array(normals, np.float32, order="C")
             self._vtk_normals = _shared(self._normals)
-            self._data.GetPointData().SetNormals(self._vtk_normals)
+            self.data.GetPointData().SetNormals(self._vtk_normals)
 
     def _move(self, points: AnyArray, normals: AnyArray | None) -> bool:
         """Replace positions and normals of equally many points; return whether possible."""
@@ -119,8 +121,8 @@ class DrawnMesh:
             numpy_to_vtkIdTypeArray(starts.astype(np.int64), deep=True),
             numpy_to_vtkIdTypeArray(np.arange(len(points), dtype=np.int64), deep=True),
         )
-        self._data.SetPoints(place)
-        self._data.SetLines(cells)
+        self.data.SetPoints(place)
+        self.data.SetLines(cells)
 
     def set_strands(self, points: AnyArray) -> None:
         """Replace everything by lines of as many points each (L, S, 3).
@@ -143,8 +145,8 @@ class DrawnMesh:
             numpy_to_vtkIdTypeArray(starts, deep=True),
             numpy_to_vtkIdTypeArray(np.arange(len(flat), dtype=np.int64), deep=True),
         )
-        self._data.SetPoints(self._place)
-        self._data.SetLines(cells)
+        self.data.SetPoints(self._place)
+        self.data.SetLines(cells)
 
     def set_colours(self, colours: AnyArray) -> None:
         """Replace the colours (K, 3) or (K, 4) uint8 of the points."""
@@ -156,7 +158,7 @@ class DrawnMesh:
             self.actor.ForceOpaqueOn()  # or VTK searches the colours for translucent ones
         self._sent = np.array(self._four(colours), np.uint8, order="C")
         self._vtk_colours = _shared(self._sent)
-        self._data.GetPointData().SetScalars(self._vtk_colours)
+        self.data.GetPointData().SetScalars(self._vtk_colours)
 
     def _four(self, colours: AnyArray) -> AnyArray:
         """Return colours with four channels."""
@@ -177,7 +179,7 @@ class DrawnMesh:
         sent = np.array(values, np.float32, order="C")
         held = _shared(sent)
         held.SetName(name)
-        self._data.GetPointData().AddArray(held)
+        self.data.GetPointData().AddArray(held)
         self._attributes[name] = sent, held
 
     def read_attributes(self) -> None:
@@ -236,11 +238,15 @@ class DrawnMesh:
 
     def set_texture(self, pixels: AnyArray, corners: AnyArray) -> None:
         """Set a texture (H, W, 4) uint8, bottom row first; corners (K, 2) are the points' u, v."""
+        self.set_corners(corners)
+        self.actor.SetTexture(make_texture(pixels))
+
+    def set_corners(self, corners: AnyArray) -> None:
+        """Set the points' places u, v (K, 2) in textures."""
         from vtkmodules.util.numpy_support import numpy_to_vtk
 
         array = numpy_to_vtk(np.ascontiguousarray(corners, np.float32), deep=True)
-        self._data.GetPointData().SetTCoords(array)
-        self.actor.SetTexture(make_texture(pixels))
+        self.data.GetPointData().SetTCoords(array)
 
 
 @cache

@@ -97,6 +97,11 @@ def test_places_go_around_an_object() -> None:
     assert np.ptp(angles) == pytest.approx(144.0, abs=15.0)
 
 
+def test_the_name_of_a_file_is_no_recording(painter: paint3d.Painter) -> None:
+    with pytest.raises(InputError, match=r"str was given; load_recording\(FILE\)"):
+        painter.replay("poses.csv")
+
+
 def test_a_stroke_is_replayed_to_the_bit(painter: paint3d.Painter, tmp_path: Path) -> None:
     recording = painter.stroke([(-20, 5, 0), (0, -5, 0), (20, 5, 0)], (0.0, 0.6, 0.0), 20.0)
     paint3d.save_recording(recording, tmp_path / "a.jsonl")

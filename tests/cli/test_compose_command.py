@@ -129,6 +129,20 @@ def test_a_recording_of_another_model_is_painted_and_said_to_be_one(capsys) -> N
         assert (f"version {model}" in capsys.readouterr().err) == (model == MODEL + 1)
 
 
+def test_strokes_of_another_object_are_not_taken_for_a_robot_s(capsys) -> None:
+    """Where a large character lay on the bowl, the handle points into a plane."""
+    made = ("--on", "bowl", "--resolution", "1", "--size", "40", "--recording", "a.jsonl")
+    assert main(["write", "福", *made, "--out", "a.p3d"]) == 0
+    on = ("--on", "plane", "--resolution", "1", "--quiet", "--out", "b.p3d")
+    capsys.readouterr()
+    assert main(["replay", "a.jsonl", *on]) == 2
+    said = capsys.readouterr().err.splitlines()[-1]
+    assert "it was recorded on bowl" in said
+    assert "expected --at U,V" in said
+    assert "tool_q" not in said
+    assert main(["replay", "a.jsonl", *on, "--at", "0.5,0.5"]) == 0
+
+
 def test_a_recording_is_laid_on_another_object(capsys) -> None:
     made = ("--on", "bowl", "--resolution", "0.6", "--recording", "a.jsonl")
     assert main(["write", "一", *made, "--out", "a.p3d"]) == 0

@@ -106,6 +106,20 @@ def test_a_picture_like_the_one_before_is_not_drawn_again(light: str, monkeypatc
 
 
 @needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
+def test_where_a_part_changes_a_film_looks_as_if_it_were_drawn_whole() -> None:
+    arrays, bare = two_balls()
+    dull = np.full(len(bare), 0.9, np.float32)
+    wet = np.where(arrays[2][:, 1] < -0.8, np.float32(0.05), dull)
+    shot = Shot("front", SIZE)
+    moments = [Moment(bare, 0.0, dull), Moment(bare, 0.0, wet), Moment(arrays[3], 0.0, wet)]
+    grown = list(take_film(arrays, shot, moments))
+    for picture, moment in zip(grown, moments, strict=True):
+        np.testing.assert_array_equal(picture, next(take_film(arrays, shot, [moment])))
+    assert (grown[0] != grown[1]).any()
+
+
+@needs_opengl
 @pytest.mark.long
 def test_light_between_two_places_of_a_turn_is_between() -> None:
     arrays, _ = two_balls()

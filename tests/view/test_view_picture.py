@@ -16,7 +16,7 @@ from scipy.ndimage import median_filter
 from paint3d.errors import ExportError, InputError, MeshError, UnknownNameError
 from paint3d.files.load import load_mesh
 from paint3d.files.project.painting import PlainSurface
-from paint3d.view import daylight, picture
+from paint3d.view import daylight, picture, scene
 from paint3d.view.daylight import Ground, Occluder, light_ground
 from paint3d.view.picture import Gloss, View, draw_picture, render_picture
 from paint3d.view.scene import quiet_vtk
@@ -302,6 +302,26 @@ def test_the_object_is_looked_at_once_from_each_light(monkeypatch: pytest.Monkey
     assert np.array_equal(light, again)
 
 
+def test_the_floor_loses_what_its_places_do_not_get() -> None:
+    vertices, faces, _ = ball(n=40)
+    occluder, suns = (
+        Occluder(vertices, faces),
+        [sun((1, 2, 3)), sun((-2, 0.1, 0.4)), sun((0, 0, 1))],
+    )
+    x, y, z = occluder.centre[0], occluder.centre[1], vertices[:, 2].min()
+    floor = Ground(np.array([x, y, z]), 2.5 * occluder.radius, np.ones((50, 50)))
+    occluder.shade(suns, floor)
+    ticks = ((np.arange(50) + 0.5) / 50 * 2 - 1) * floor.half
+    across, along = np.meshgrid(ticks + x, ticks + y)
+    points = np.stack([across, along, np.full_like(across, z)], axis=-1).reshape(-1, 3)
+    up = np.tile(np.float32([0, 0, 1]), (len(points), 1))
+    lit, _ = occluder.shine(suns, points.astype(np.float32), up, 0.0, FREE)
+    full = sum(light.irradiance * light.direction[2] for light in suns)
+    expected = (lit / full)[:, 0].reshape(50, 50)
+    assert 0.1 < (expected < 0.99).mean() < 0.9
+    np.testing.assert_allclose(floor.openness, expected, atol=1e-6)
+
+
 def test_the_floor_is_dark_under_the_object_and_free_far_away():
     vertices, faces, _ = ball(n=120)
     ground = light_ground(Occluder(vertices, faces), light_samples())
@@ -515,3 +535,38 @@ def test_a_lying_sheet_turns_as_seen_from_the_side() -> None:
     picture = next(take_turning(drawn_sheet(40.0, 40.0), Shot(size=SHOT_SIZE, light="none"), 3))
     assert (picture == (20, 20, 200)).all(axis=2).any()
     assert set(VIEWS) >= {"above"}
+
+
+@needs_opengl
+@pytest.mark.usefixtures("lit_by_few")
+@pytest.mark.parametrize("shot", [Shot(size=SIZE), Shot("above", SIZE, transparent=True, zoom=2.5)])
+def test_what_lies_around_the_object_looks_as_if_all_were_drawn_alike(shot, monkeypatch) -> None:
+    boxes = []
+    box_of = scene._box_of
+    monkeypatch.setattr(scene, "_box_of", lambda *of: boxes.append(box_of(*of)) or boxes[-1])
+    arrays = inked_ball()
+    boxed = take_shot(arrays, shot)
+    monkeypatch.setattr(scene, "_box_of", lambda *of: (0, 0, *of[-1]))
+    x0, y0, x1, y1 = boxes[0]
+    assert ((x1 - x0) * (y1 - y0) < 0.7 * SIZE[0] * SIZE[1]) == (shot.zoom == 1.0)
+    difference = np.abs(boxed.astype(int) - take_shot(arrays, shot))
+    assert difference.max() <= 4
+    assert difference.mean() < 0.1
+
+
+@needs_opengl
+def test_a_picture_loads_no_package_that_takes_longer_than_itself(tmp_path) -> None:
+    code = (
+        "import sys\n"
+        "import numpy as np\n"
+        "from paint3d.files.load import load_mesh\n"
+        "from paint3d.files.pictures import write_picture\n"
+        "from paint3d.view.shot import Shot\n"
+        "write_picture(load_mesh('bowl'), sys.argv[1], Shot(size=(64, 48)))\n"
+        "print(*{'matplotlib', 'numba', 'pyvista', 'scipy'} & set(sys.modules))\n"
+    )
+    ran = subprocess.run(
+        [sys.executable, "-c", code, str(tmp_path / "bowl.png")], capture_output=True, text=True
+    )
+    assert (ran.returncode, ran.stdout.split()) == (0, []), ran.stderr
+    assert (tmp_path / "bowl.png").exists()
