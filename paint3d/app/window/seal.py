@@ -337,7 +337,9 @@ class Sealing(QtCore.QObject):
             workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
         else:
             self._show_outline(proposed.point, proposed.up)
-            told = say("Enter presses the seal there, a click elsewhere; Esc cancels")
+            told = say(
+                "Enter presses the seal where it is shown, a click where you click; Esc cancels"
+            )
             workspace.tell(told, stays=True)
 
     def let_be(self) -> None:
