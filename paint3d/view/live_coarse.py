@@ -72,6 +72,8 @@ class CoarseObject:
         lit, and shine (`surface.sheen`).
     srgb : (V, 3) uint8
         The paint on every vertex.
+    parts : (V,) int, optional
+        Numbers from 0; vertices of different parts are never clustered.
 
     Attributes
     ----------
@@ -95,10 +97,15 @@ class CoarseObject:
         size: float,
         shown: Callable[[AnyArray, AnyArray], AnyArray],
         srgb: NDArray[np.uint8],
+        parts: AnyArray | None = None,
     ) -> None:
         self.size, self._look = size, shown
         self.n_vertices = n = mesh.n_vertices
         self._cluster, count = _clusters(mesh, size)
+        if parts is not None:
+            apart = self._cluster * (int(parts.max()) + 1) + parts
+            kept, self._cluster = np.unique(apart, return_inverse=True)
+            self._cluster, count = self._cluster.ravel().astype(np.int32), len(kept)
         self._members = Members(np.zeros(count + 1, np.int32), np.empty(n, np.int32))
         list_members(self._cluster, *self._members)
         every = np.arange(count, dtype=np.int32)

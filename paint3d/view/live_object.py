@@ -25,6 +25,7 @@ _DENSE, _THIN = 0.62, 0.40  # its opacity on its stripes, and between them
 _STRIPES = 26  # across the object
 _LEAST_EDGES = 5.0  # edge lengths from stripe to stripe, so that vertex colours can resolve them
 
+_MOST_PARTS = 8  # that are kept apart when drawn coarsely
 _PIXELS = 0.5  # cluster size of a coarse object with few triangles
 _MOST_PIXELS = 1.5  # size up to which it is reused; larger only where triangles are too many
 _NEAR = 1.5  # a coarse object is reused if its cluster size is off by no more than this factor
@@ -236,9 +237,18 @@ class LiveObject:
         surface, self._coarse_triangles = self.surface, n_triangles
         size = max(_PIXELS * pixel_mm, self._fewest_mm(n_triangles))
         self._coarse = CoarseObject(
-            surface.paint_mesh, self.patches, size, self._shown, surface.codes
+            surface.paint_mesh, self.patches, size, self._shown, surface.codes, self._parts()
         )
         return self._coarse
+
+    def _parts(self) -> AnyArray | None:
+        """Number the few colours that vertices (V,) have without paint; None if one, or many."""
+        surface = self.surface
+        if surface.source.colours is None:
+            return None
+        bare = surface.bare_codes_at(np.arange(surface.n_vertices, dtype=np.int32))
+        colours, parts = np.unique(bare, axis=0, return_inverse=True)
+        return parts.ravel() if len(colours) <= _MOST_PARTS else None
 
     def repaint_coarse(self) -> CoarseObject | None:
         """Apply the changes of the last `uploads` to the coarse version; return it, or None."""

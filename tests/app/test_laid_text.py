@@ -553,6 +553,20 @@ def test_a_text_on_a_bowl_is_moved_over_its_wall(program) -> None:
         pretend_saved(window.stage.paint_thread)
 
 
+def test_the_view_turns_to_a_text_that_comes_to_lie_on_the_far_side(program) -> None:
+    with opened(program, "bowl", 4.0, "porcelain", drawn=False) as window:
+        window.workspace.actions["look_back"].trigger()
+        behind = window.hand.camera
+        lay(window, "永和", 16.0)
+        place = origins(window).mean(axis=0)
+        seen = window.hand.camera
+        assert place @ behind.position < 0.0 < place @ seen.position
+        window.copying.change({"turn": 10.0})  # and where it is seen stays
+        wait_for(lambda: text_of(window).turn == 10.0)
+        assert window.hand.camera is seen
+        pretend_saved(window.stage.paint_thread)
+
+
 @pytest.mark.parametrize("words", [{"em_mm": 1.0}, {"turn": 200.0}, {"grid": "star"}, {"size": 3},
     {"cells": [0, 4]}, {"text": 3}, {"point": [1.0, 2.0]}, {"order": "up"},
     {"is_signature": 1}])  # fmt: skip

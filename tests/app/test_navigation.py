@@ -18,6 +18,7 @@ from paint3d.app.model.input.navigation import (
     roll,
     roll_at,
     roll_of,
+    turn_to_see,
     zoom_at,
 )
 from paint3d.errors import InputError
@@ -146,3 +147,19 @@ def test_a_picture_is_rolled_by_the_angle_and_come_near_by_a_factor():
     with pytest.raises(InputError, match="expected"):
         dolly(camera(), 0.0)
     assert distance(dolly(camera(), 1e6)) > 0.0
+
+
+@pytest.mark.parametrize("degrees", [0.0, 90.0, 200.0])
+def test_the_view_turns_to_what_is_on_the_far_side_and_only_there(degrees):
+    angles = np.radians(degrees + np.array([-20.0, 0.0, 20.0]))  # around a body; -90 is in front
+    normals = np.column_stack([np.cos(angles), np.sin(angles), np.zeros(3)])
+    before = camera(focus=(0.0, 0.0, 10.0))
+    seen = turn_to_see(before, 40.0 * normals, normals)
+    assert distance(seen) == pytest.approx(distance(before))
+    assert seen.position[2] == pytest.approx(before.position[2])
+    assert roll_of(seen) == pytest.approx(0.0, abs=1e-9)
+    np.testing.assert_allclose(pixel(seen, 40.0 * normals[1])[0], 0.5 * SIZE[0], atol=1e-6)
+    assert turn_to_see(seen, 40.0 * normals, normals) is seen
+    assert turn_to_see(before, [[0.0, 0.0, 0.0]], [[0.0, 0.0, 1.0]]) is before
+    all_around = np.concatenate([normals, -normals])
+    assert turn_to_see(before, 40.0 * all_around, all_around) is before

@@ -123,6 +123,27 @@ def test_paint_is_drawn_in_its_place_to_the_bit(stage: Stage) -> None:
         assert document.surface.painted.sum() > 50
 
 
+def test_lines_of_which_few_change_are_drawn_anew_only_there(stage: Stage) -> None:
+    """Else a large sheet would be drawn coarsely at each character that is written on it."""
+    places, red = np.linspace(-70.0, 70.0, 6), (200, 40, 30, 220)
+    lines = [np.array([(x, -6.0, 0.1), (x + 9.0, 7.0, 0.1), (x, 8.0, 0.1)]) for x in places]
+    stage.show_lines("marks", lines, red, 2.0)
+    bare = stage.draw().copy()
+    for fewer, colour in ((lines[1:], red), (lines[1:], red), (lines[2:], red), (lines, red)):
+        stage.show_lines("marks", [line.copy() for line in fewer], colour, 2.0)
+        drawn = stage.draw()
+        if drawn is not None:
+            x0, y0, x1, y1 = stage.changed or (0, 0, *SIZE)
+            assert (x1 - x0) * (y1 - y0) < 0.1 * SIZE[0] * SIZE[1]
+            drawn = drawn.copy()
+            assert np.array_equal(drawn, at_once(stage))
+    assert np.array_equal(drawn, bare)
+    stage.show_lines("marks", lines, (30, 40, 200, 220), 2.0)  # all of them, in another colour
+    drawn = stage.draw().copy()
+    assert not np.array_equal(drawn, bare)
+    assert np.array_equal(drawn, at_once(stage))
+
+
 def test_the_brush_is_drawn_where_the_hand_is_while_the_painting_is_behind(stage: Stage) -> None:
     stage.paint_thread.hover(sample(0, -60.0, 0.0))
     follow(stage)

@@ -329,6 +329,60 @@ def test_any_keys_of_undo_and_redo_leave_what_they_spell(painted, seed: int) -> 
         wait_for_buttons(window, done > 0, done < N_STROKES)
 
 
+def fine_colours(window) -> np.ndarray:
+    """Codes of all vertices, also of those that strokes have added."""
+    with window.stage.paint_thread.paused() as document:
+        return document.surface.codes.copy()
+
+
+@pytest.fixture
+def running_ink(window):
+    """A wet scroll whose ink runs, and codes after none, one, two... of its strokes.
+
+    They are taken just before the next stroke, where undo leads back to; no time passes meanwhile.
+    """
+    assert window.opening.open_path("scroll:170x680", 0.6, "xuan", asked=True)
+    thread = window.stage.paint_thread
+    window.activateWindow()
+    wait_for(window.isActiveWindow)
+    window.canvas.setFocus()
+    seen = [fine_colours(window)]
+    for y in np.linspace(0.35, 0.65, N_STROKES):
+        drag(window.canvas, (0.46, y), (0.54, y), n=6)
+        thread.wet = True
+        live(0.2)
+        thread.wet = False
+        settled(window)
+        seen.append(fine_colours(window))
+    thread.wet = True
+    return window, seen
+
+
+@pytest.mark.parametrize("seed", long_but([2], range(4)))
+def test_two_hundred_keys_in_haste_on_a_wet_scroll_leave_what_they_spell(
+    running_ink, seed: int
+) -> None:
+    window, seen = running_ink
+    document, chance, done = window.document, random.Random(seed), N_STROKES
+    for count in range(1, 201):
+        step = chance.choice(["undo", "redo"])
+        done = min(max(0, done + (1 if step == "redo" else -1)), N_STROKES)
+        ask(window, step)
+        live(0.02 * 15.0 ** chance.random())  # s: 20 to 300 ms, half of them below 80
+        if count % 20 == 0:  # else the ends hide what was lost: undo does nothing at the start
+            settled(window)
+            assert (len(document.strokes), len(document.undone_strokes)) == (
+                done, N_STROKES - done,
+            )  # fmt: skip
+    window.stage.paint_thread.wet = False
+    for _ in range(done, N_STROKES):
+        ask(window, "redo")
+    for done in reversed(range(N_STROKES)):
+        ask(window, "undo")
+        settled(window)
+        np.testing.assert_array_equal(fine_colours(window)[: len(seen[done])], seen[done])
+
+
 def test_a_redo_right_after_an_undo_saves_the_stroke_from_the_next_one(painted) -> None:
     window, _ = painted
     ask(window, "undo")

@@ -143,6 +143,24 @@ def test_a_signed_scroll_comes_about_by_what_each_dialog_proposes(window, tmp_pa
     assert columns.mean() < black[1].mean()  # and to the left
 
 
+def test_a_seal_waits_in_the_hand_while_the_brush_writes(window) -> None:
+    window.workspace.update_settings(wet=False)
+    begin(window, "scroll:60x200")
+    lay_out(window, "一")
+    click_button(window.panels.copybook, "Write it with the brush")
+    wait_for(lambda: window.player.is_playing)
+    window.player.pause(True)
+    answer(lambda dialog: dialog.accept(), SealDialog)
+    click_button(window.panels.copybook, "Press a seal…")
+    wait_for(lambda: window.sealing.seal is not None)
+    type_key(window.canvas, KEY.Key_Return)
+    assert "still writes" in window.status.message_label.text()
+    window.player.pause(False)
+    wait_for(lambda: len(window.document.strokes) == 1 and not window.player.is_playing)
+    type_key(window.canvas, KEY.Key_Return)
+    wait_for(lambda: window.document.pressed_seals())
+
+
 @pytest.mark.usefixtures("wet_at_first")
 def test_a_fan_with_bamboo_in_wet_ink_is_signed_sealed_and_kept(window, tmp_path: Path) -> None:
     begin(window, "fan:240x80:margin=5", "xuan")

@@ -632,6 +632,20 @@ def test_paint_is_seen_in_it(shown: LiveObject) -> None:
     assert np.array_equal(found.colours[found.points[:, 0] < 35.0], before[found.points[:, 0] < 35])
 
 
+def test_silk_and_paper_stay_apart_in_it() -> None:
+    """Where a mount's silk touches the paper, vertices of both stand in one place."""
+    surface = PaintedSurface(paint3d.load_mesh("scroll:100x200:mounted"), 2.0, "xuan")
+    shown = LiveObject(surface)
+    shown.uploads(NONE)
+    found = shown.coarse_for(1.0, 100_000)
+    assert found is not None
+    ids = np.flatnonzero(surface.paint_mesh.normals[:, 2] > 0.999).astype(np.int32)
+    fine = {tuple(row) for row in shown.light.colours(ids, surface.codes).tolist()}
+    flat = found.colours[found.normals[:, 2] > 0.999, :3]
+    assert len(flat) > 50
+    assert {tuple(row) for row in flat.tolist()} <= fine
+
+
 def test_it_waits_until_what_was_added_is_followed() -> None:
     """Painting goes on between two looks; the sheen of new vertices is not known before."""
     shown = LiveObject(PaintedSurface(paint3d.load_mesh("bowl"), 2.0))

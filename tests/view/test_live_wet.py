@@ -1,19 +1,27 @@
 """Wet paint in the live view: it shines and is darker, until it dries."""
 
+import math
+
 import numpy as np
 import pytest
 import trimesh
 from scipy.ndimage import binary_erosion
 
+from paint3d.app.model.brush_in_hand import resized
+from paint3d.brush.presets import load_brush
 from paint3d.colour.pigments import load_pigment
+from paint3d.files.load import load_mesh
 from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from paint3d.surface.sheen import PLAIN_SHINE, WetWatch
-from paint3d.view import live_scene
+from paint3d.view import live_picture, live_scene
 from paint3d.view.camera import View, fit_camera
 from paint3d.view.live_object import LiveObject
+from paint3d.view.live_picture import LivePicture
 from paint3d.view.live_scene import LiveScene
 from paint3d.view.studio import Gloss
+from tests.support.app.hands import line
 
 TOWARD = np.array([-0.4, -0.8, 0.45]) / np.linalg.norm([-0.4, -0.8, 0.45])
 
@@ -225,3 +233,69 @@ def test_what_is_drawn_coarsely_shines_as_what_is_drawn_finely():
     shown.uploads(surface.refresh())
     shown.repaint_coarse()
     assert coarse.colours[front, 3].min() > 250
+
+
+BIG_MM = 200.0  # the longest tuft there is
+
+
+def drawn_anew(surface, scene):
+    """The picture of a scene that has seen nothing before."""
+    shown, other = LiveObject(surface, faces=500), LiveScene(scene.size)
+    other.clear(shown.centre, shown.radius, Gloss.of(surface.material))
+    other.apply(shown.uploads(np.arange(surface.n_vertices, dtype=np.int32)))
+    other.set_camera(scene.camera)
+    picture = other.draw()[..., :3].astype(int)
+    other.close()
+    return picture
+
+
+@pytest.mark.parametrize(("material", "most"), [("sized xuan", math.inf), ("porcelain", 1_000.0)])
+def test_a_broad_wet_stroke_refreshed_in_parts_is_the_picture_drawn_anew(
+    scene, monkeypatch, material, most
+):
+    """Of one black wherever it was drawn last, also after what was drawn coarsely meanwhile."""
+    monkeypatch.setattr(live_picture, "_LEVELS", ((most, 1.0),))
+    monkeypatch.setattr(live_picture, "_MANY", most)
+    monkeypatch.setattr(live_picture, "_BEST", live_picture._PLAIN)
+    monkeypatch.setattr(live_picture, "_CELL", 40)
+    monkeypatch.setattr(live_picture, "_SETTLED_S", 0.0)
+    surface = PaintedSurface(load_mesh("plane"), 2.0, material)
+    shown, coarse = LiveObject(surface, faces=500), []
+    painter = Painter(surface, resized(load_brush("full"), BIG_MM))
+
+    def prepare(n_triangles):
+        coarse.append(shown.coarse_for(scene.nearest_mm(), n_triangles))
+        if coarse[-1] is not None:
+            scene.set_coarse(coarse[-1])
+        return scene.has_coarse
+
+    def refresh():
+        boxes = [scene.screen_box(one) for one in scene.apply(shown.uploads(surface.refresh()))]
+        for box in boxes:
+            picture.touch_object(box)
+        if shown.repaint_coarse() is not None:
+            scene.recolour_coarse()
+        pixels = picture.draw()
+        while not picture.is_done():
+            pixels = picture.draw()
+        return boxes, pixels
+
+    scene.clear(shown.centre, shown.radius, Gloss.of(surface.material))
+    scene.apply(shown.uploads(np.arange(surface.n_vertices, dtype=np.int32)))
+    scene.set_camera(fit_camera(surface.source.vertices, View((0.1, -0.4, 1.0)), 1.0))
+    picture = LivePicture(scene, prepare)
+    parts, way = 0, line((-60.0, -10.0), (60.0, 15.0), n=60, pressure=0.9, height=BIG_MM)
+    for k in range(0, 60, 10):
+        painter.advance(way[k : k + 10])
+        surface.diffuse(0.05)
+        if k == 20:
+            picture.touch()  # the view has moved
+        boxes, pixels = refresh()
+        parts += any(box is not None and box != scene.whole for box in boxes)
+        assert np.abs(pixels[..., :3] - drawn_anew(surface, scene)).max() <= 1
+    assert (surface.srgb.max(axis=1) < 60).sum() > 1000
+    assert parts == 6
+    assert bool(coarse) == (most == 1_000.0)
+    for pause_s in (5.0, 500.0):  # it runs, and dries
+        surface.diffuse(pause_s)
+        assert np.abs(refresh()[1][..., :3] - drawn_anew(surface, scene)).max() <= 1

@@ -244,6 +244,8 @@ class Sealing(QtCore.QObject):
         What is pressed with the next click on the object.
     of_signature : callable
         The `ProposedSeal` of who signed the painting; None where there is no text.
+    is_writing : callable
+        Whether the brush paints by itself: the seal waits in the hand meanwhile.
     """
 
     def __init__(self, workspace: Workspace) -> None:
@@ -252,6 +254,7 @@ class Sealing(QtCore.QObject):
         self._kept = SealOptions()
         self._proposed: tuple[str, float] | None = None
         self.of_signature: Callable[[], ProposedSeal | None] = lambda: None
+        self.is_writing: Callable[[], bool] = lambda: False
         self._place: ProposedSeal | None = None  # where Enter presses it
         self.seal: Seal | None = None
         self._moved: int | None = None  # the seal that is pressed elsewhere
@@ -337,7 +340,9 @@ class Sealing(QtCore.QObject):
             workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
         else:
             self._show_outline(proposed.point, proposed.up)
-            told = say("Enter presses the seal there, a click elsewhere; Esc cancels")
+            told = say(
+                "Enter presses the seal where it is shown, a click where you click; Esc cancels"
+            )
             workspace.tell(told, stays=True)
 
     def let_be(self) -> None:
@@ -418,6 +423,10 @@ class Sealing(QtCore.QObject):
         """Press it there, by default upright in the picture."""
         workspace, seal = self._workspace, self.seal
         assert seal is not None
+        if self.is_writing():
+            told = say("The brush still writes; press the seal when it has ended")
+            workspace.tell(told, state="slow", stays=True)
+            return
         if up is None:
             up = picture_axes(workspace.hand.open_camera)[1]
         rings = [ring.tolist() for ring in seal.rings]

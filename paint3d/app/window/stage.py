@@ -45,6 +45,7 @@ _NOWHERE = object()
 _NOWHERE_YET = np.empty((0, 3))
 _APART_MM, _JUMP_MM = 1.0, 60.0  # between places that are kept; beyond the last, another stroke
 _KEPT = 300
+_LITTLE = 0.03  # of the picture, that lines on the object may change without all being drawn again
 _LIVELY_S = 5.0  # after the hand has rested so long, ink that runs by itself is drawn less often:
 _LEAST, _RAREST_S = 0.008, 30.0  # in a fraction of the time that falls with the square of the rest
 
@@ -80,6 +81,7 @@ class Stage:
         self._brush: LiveBrush | None = None
         self._brush_spec: BrushSpec | None = None
         self._lines: dict[str, DrawnMesh] = {}
+        self._line_parts: dict[str, dict[tuple[Any, ...], AnyArray]] = {}
         self._baker = ThreadPoolExecutor(1, thread_name_prefix="paint3d-light")
         self._baking: Future[BakedLight] | None = None
         self._unlit: LiveLight | None = None
@@ -359,7 +361,7 @@ class Stage:
             drawn.set_lines(lines)
             drawn.set_colours(np.tile(np.array(colour, np.uint8), (sum(map(len, lines)), 1)))
             drawn.actor.GetProperty().SetLineWidth(width)
-        self._show_on_object(name, drawn)
+        self._show_on_object(name, drawn, lines, (colour, width))
 
     def show_faces(
         self, name: str, points: AnyArray, faces: AnyArray, colour: tuple[int, ...]
@@ -381,10 +383,15 @@ class Stage:
             drawn = DrawnMesh()
             drawn.set_shape(points, faces)
             drawn.set_colours(np.tile(np.array(colour, np.uint8), (len(points), 1)))
-        self._show_on_object(name, drawn)
+        self._show_on_object(name, drawn, [points] if len(faces) else [], (colour,))
 
-    def _show_on_object(self, name: str, drawn: DrawnMesh | None) -> None:
-        """Show this in the place of what has that name, or nothing."""
+    def _show_on_object(
+        self, name: str, drawn: DrawnMesh | None, parts: Sequence[AnyArray], look: tuple[Any, ...]
+    ) -> None:
+        """Show this in the place of what has that name, or nothing.
+
+        Its parts (K, 3), mm, and their look tell where the picture is another one.
+        """
         old = self._lines.pop(name, None)
         if old is not None:
             self.scene.remove(old)
@@ -394,7 +401,18 @@ class Stage:
             drawn.actor.ForceTranslucentOn()
             drawn.draw_before()
             self.scene.add(drawn)
-        self.touch()
+        before = self._line_parts.pop(name, {})
+        now = self._line_parts[name] = {(look, part.tobytes()): part for part in parts}
+        self._touch_near([(before | now)[key] for key in before.keys() ^ now.keys()])
+
+    def _touch_near(self, parts: Sequence[AnyArray]) -> None:
+        """Have it drawn again about some points; where that is much of the picture, all of it."""
+        boxes = [box for box in map(self.scene.screen_box, parts) if box is not None]
+        width, height = self.scene.size
+        if sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in boxes) > _LITTLE * width * height:
+            self.touch()
+        for box in boxes:
+            self._drawn.touch_object(box)
 
     # -- the brush --------------------------------------------------------------------------
 

@@ -114,6 +114,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         )  # fmt: skip
         self.copying.laid_out = self.writing.prepare
         self.sealing.of_signature = self.copying.signature
+        self.sealing.is_writing = lambda: self.player.is_playing
         self.tour = Tour(workspace, self.opening, self.copying)
         self._bind_actions()
         self.both_hands = DeviceInput(workspace, self.panels.devices, plugged, feel)

@@ -29,6 +29,7 @@ __all__ = [
     "roll",
     "roll_at",
     "roll_of",
+    "turn_to_see",
     "zoom_at",
 ]
 
@@ -36,6 +37,7 @@ _TURN_PER_HEIGHT = math.pi  # rad: a drag over the picture's height turns the ob
 _STEEPEST = math.radians(89.0)
 _NO_ROLL = math.sin(math.radians(89.9))  # looked at along z from so near, nothing is upright
 _FILL = 0.85
+_SEEN = 0.35  # cosine of the angle to a surface from which what is on it can still be read
 _NEAREST, _FARTHEST = 1e-3, 1e6  # mm, from the focus
 
 SIDES = {
@@ -156,6 +158,35 @@ def zoom_at(camera: Camera, factor: float, x: float, y: float, size: tuple[float
     right, up, _ = picture_axes(camera)
     shift = (before - after) * (off_x * right - off_y * up)
     return replace(nearer, position=nearer.position + shift, focus=nearer.focus + shift)
+
+
+def turn_to_see(camera: Camera, points: ArrayLike, normals: ArrayLike) -> Camera:
+    """Turn about the z axis through the focus until what stands on a body is on its near side.
+
+    Parameters
+    ----------
+    camera : Camera
+    points, normals : (N, 3) array_like
+        Where it stands, mm, and unit vectors outwards.
+
+    Returns
+    -------
+    Camera
+        The same where half of it can be read already, or it stands all around.
+    """
+    points, normals = as_array(points, "points", (None, 3)), as_array(normals, "normals", (None, 3))
+    toward = camera.position - points
+    seen = np.sum(toward * normals, axis=1) > _SEEN * np.linalg.norm(toward, axis=1)
+    x, y, _ = normals.mean(axis=0)
+    if seen.mean() >= 0.5 or math.hypot(x, y) < _SEEN:
+        return camera
+    back = camera.position - camera.focus
+    angle, z = math.atan2(y, x) - math.atan2(back[1], back[0]), np.array([0.0, 0.0, 1.0])
+    return replace(
+        camera,
+        position=camera.focus + _rotate_about(back, z, angle),
+        up=_rotate_about(camera.up, z, angle),
+    )
 
 
 def frame(camera: Camera, centre: ArrayLike, radius: float, aspect: float = 1.0) -> Camera:

@@ -19,6 +19,7 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.copybook import Copybook
 from paint3d.app.model.document import Document
+from paint3d.app.model.input.navigation import turn_to_see
 from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.stroke_log import Stroke
 from paint3d.app.window.copybook.copybook_panel import CopybookPanel
@@ -381,11 +382,9 @@ class CopybookGuide:
             return False
         if isinstance(error, Paint3DError) and "smaller" in error.message.fields:
             smaller = error.message.fields["smaller"]
+            asked = say("At {size} the text has no room there", size=say_length(laid.em_mm))
             accept = say("Lay out at {size}", size=say_length(smaller))
-            if (
-                ask(workspace.window, say_error(error), accept=accept, warns=True)
-                is Answer.AcceptRole
-            ):
+            if ask(workspace.window, asked, accept=accept, warns=True) is Answer.AcceptRole:
                 return self._put(laid.moved(em_mm=smaller), number)
             return False
         if not workspace.went_well(done):
@@ -409,9 +408,20 @@ class CopybookGuide:
         self._active = len(texts) if place is None else place
         self._shown = (*texts[: self._active], laid, *texts[self._active + 1 :])
         self._show_active()
+        if not moves:
+            self._turn_to(book)
         self._tell_fonts(book, self._fit_brush(laid, old))
         self.laid_out()
         return True
+
+    def _turn_to(self, book: Copybook) -> None:
+        """Turn the view to a text that has come to lie on the far side, as opposite a handle."""
+        hand, frames = self._workspace.hand, [square.chart.frame for square in book.squares]
+        seen = turn_to_see(
+            hand.open_camera, [one.origin for one in frames], [one.normal for one in frames]
+        )
+        if seen is not hand.open_camera:
+            hand.look(seen)
 
     def _fit_brush(self, laid: LaidText, old: LaidText | None) -> str:
         """Take a brush for a text that is new, or of another size than the old one; say so.
