@@ -80,7 +80,7 @@ __all__ = [
 LINES = 64  # along the way, side by side, that a footprint is cut into
 _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and from which it has one
 _MOST = 6.0  # times a share that a line gets
-_ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
+_ON_GLAZE, _ON_GRAIN = 1.15, 0.55  # power of a line's length that what it gets falls with
 # Strength of what bundles of hairs bring on paper: of a tuft about to skip, and of one so many
 # times as full, in which ink runs together
 _STREAKS, _STREAKS_FULL, _FULL = 0.16, 0.05, 2.2
