@@ -194,7 +194,7 @@ TRANSFER = np.dtype(
         ("capacity", "f8"),  # ink in a full brush, coats x mm2
         ("tooth_mm", "f8"),  # length of that surface's bumps, 0 for none
         ("reservoir_mm", "f8"),  # length of the tuft that one reservoir of its load stands for
-        ("water", "i4"),  # column of water among the pigments, -1 for none
+        ("water", "f8"),  # column of water among the pigments, -1 for none
     ],
     align=True,
 )

@@ -105,7 +105,7 @@ class InkStore:
             off_surface=np.zeros(n_pigments),
             reservoirs=np.zeros((1, n_pigments)),
             transfer=np.array(
-                [(0.0, self.material.grain, 0.0, self.material.tooth_mm, 1.0, -1)], TRANSFER
+                [(0.0, self.material.grain, 0.0, self.material.tooth_mm, 1.0, -1.0)], TRANSFER
             ),
             noise=contact_noise(),
             bundles=bundle_noise(),
