@@ -44,7 +44,7 @@ _ROUGH_MM = 3.5  # all of it from this width on
 _CALM = 0.52  # of a slow, wet brush
 _HASTY, _HASTY_MM_S = 0.45, 180.0  # more up to this speed
 _DRY, _WET_FROM, _DRY_TO = 0.5, 1.6, 0.6  # and more between these loads over that of skipping
-_BELLY, _POINT = 1.15, 0.6  # times that at the heel of the footprint and at its tip
+_BELLY, _POINT = 1.25, 0.45  # times that at the heel of the footprint and at its tip
 _FIRM = 0.4  # pressure from which a footprint that grows gives ink for all of its growth
 
 _VECTOR = ("f8", (3,))

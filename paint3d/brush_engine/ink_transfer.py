@@ -80,7 +80,7 @@ __all__ = [
 LINES = 64  # along the way, side by side, that a footprint is cut into
 _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and from which it has one
 _MOST = 6.0  # times a share that a line gets
-_ON_GLAZE, _ON_GRAIN = 1.15, 0.8  # power of a line's length that what it gets falls with
+_ON_GLAZE, _ON_GRAIN = 1.15, 0.55  # power of a line's length that what it gets falls with
 # Strength of what bundles of hairs bring on paper: of a tuft about to skip, and of one so many
 # times as full, in which ink runs together
 _STREAKS, _STREAKS_FULL, _FULL = 0.16, 0.05, 2.2
@@ -194,6 +194,7 @@ TRANSFER = np.dtype(
         ("capacity", "f8"),  # ink in a full brush, coats x mm2
         ("tooth_mm", "f8"),  # length of that surface's bumps, 0 for none
         ("reservoir_mm", "f8"),  # length of the tuft that one reservoir of its load stands for
+        ("water", "f8"),  # column of water among the pigments, -1 for none
     ],
     align=True,
 )
@@ -226,7 +227,6 @@ FILM = 0.35  # of equation (12a): pressure under which a way as long as the root
 FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
 _DRY_FILM = 0.5  # of that film, what a tuft leaves that hardly reaches the grain
 _FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one sweep at most
-_TOLD = 0.02  # of the ink in a tuft, a pigment by which its liquid is told on the surface
 _FED_MM = 1.0  # way on which it puts back all but 1 / e of what has run from under it
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
 _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
@@ -351,40 +351,33 @@ def _fetch_coats(runs, n_runs, ids, n, amounts, coats):
 
 
 @uncounted(error_model="numpy")
-def _count_drained(found, n, ink):
+def _count_drained(before, after, found, n, field, ink):
     """Count the liquid with which the ink on vertices came: its water, once in the paper, is gone.
 
-    What lies there is taken for ink as rich as any in the tuft, by the pigment of which there is
-    most; `found.coats` is changed.
+    What lies on a vertex counts as so much of the liquid that the tuft holds where it touches it
+    as brings those pigments, by least squares; `found.coats` only grows.
     """
     ids, coats, reservoirs = found.ids, found.coats, ink.reservoirs
-    for p in range(ink.load.shape[0]):
-        richest = ink.load[p] / max(held_ink(ink), _LEAST_HELD)
-        for i in range(reservoirs.shape[0] if reservoirs.shape[0] > 1 else 0):
-            richest = max(richest, reservoirs[i, p] / max(reservoirs[i].sum(), _LEAST_HELD))
-        if richest > _TOLD:
-            per_part = np.float32(1.0 / richest)
-            for k in range(n):
-                coats[k] = max(coats[k], per_part * ink.amounts[as_index(ids[k]), p])
-
-
-@uncounted(error_model="numpy")
-def _count_drained_by_place(before, after, found, n, field, ink):
-    """Count the same for ink as the tuft holds it where it touches the vertices."""
-    ids, coats, reservoirs = found.ids, found.coats, ink.reservoirs
-    last, reach = reservoirs.shape[0] - 1, ink.transfer[0].reservoir_mm
+    count, n_pigments = reservoirs.shape
+    last, reach, water = count - 1, ink.transfer[0].reservoir_mm, ink.transfer[0].water
+    i, t = 0, 0.0
     for k in range(n):
         v = as_index(ids[k])
-        at = _reservoir(before, after, field, v, reach, last)
-        i = min(np.int64(at), last - 1)
-        t = at - i
-        total = 0.0
-        for p in range(reservoirs.shape[1]):
-            total += (1.0 - t) * reservoirs[i, p] + t * reservoirs[i + 1, p]
-        for p in range(reservoirs.shape[1]):
-            part = (1.0 - t) * reservoirs[i, p] + t * reservoirs[i + 1, p]
-            if part > _TOLD * total:
-                coats[k] = max(coats[k], np.float32(total / part) * ink.amounts[v, p])
+        if count > 1:
+            at = _reservoir(before, after, field, v, reach, last)
+            i = min(np.int64(at), last - 1)
+            t = at - i
+        total, along, squared = 0.0, 0.0, 0.0
+        for p in range(n_pigments):
+            held = ink.load[p]
+            if count > 1:
+                held = (1.0 - t) * reservoirs[i, p] + t * reservoirs[i + 1, p]
+            total += held
+            if p != water:
+                along += held * ink.amounts[v, p]
+                squared += held * held
+        if squared > 0.0:
+            coats[k] = max(coats[k], np.float32(along / squared * total))
 
 
 @uncounted(error_model="numpy", apart=True)
@@ -567,13 +560,11 @@ def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
     fetch_found(found, n, field.take, found.take)
     fetch_found(found, n, ink.coverage, found.covered)
     _fetch_coats(found.runs, found.count[0], found.ids, n, ink.amounts, found.coats)
-    if ink.load.shape[0] > 1:
-        _count_drained(found, n, ink)
+    if ink.transfer[0].water >= 0:
+        _count_drained(before, after, found, n, field, ink)
     if landing > 0.0 and _saturate(after, scratch.sweep[0], found, n, ink):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
         rest = weighed / whole
-    if ink.reservoirs.shape[0] > 1 and ink.load.shape[0] > 1:
-        _count_drained_by_place(before, after, found, n, field, ink)
     first = _lay_first_film(coats, landing / whole, before, after, found, n, field, ink, scratch)
     if first > 0.0:
         weighed = weighed_area(n, found.area, found.share, field.area_step)

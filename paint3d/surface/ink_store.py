@@ -105,7 +105,7 @@ class InkStore:
             off_surface=np.zeros(n_pigments),
             reservoirs=np.zeros((1, n_pigments)),
             transfer=np.array(
-                [(0.0, self.material.grain, 0.0, self.material.tooth_mm, 1.0)], TRANSFER
+                [(0.0, self.material.grain, 0.0, self.material.tooth_mm, 1.0, -1.0)], TRANSFER
             ),
             noise=contact_noise(),
             bundles=bundle_noise(),
@@ -200,6 +200,8 @@ class InkStore:
             off_surface=np.append(old.off_surface, 0.0),
             reservoirs=np.pad(old.reservoirs, ((0, 0), (0, 1))),
         )
+        if pigment is WATER:
+            self.ink.transfer["water"] = count - 1
         self.dry_layers.fit(self.paint_mesh.capacity, count)
         self._colours = ColourModel(self.pigments, self.material.reflectance, path="live")
         self._glaze = GlazeModel(self.pigments)

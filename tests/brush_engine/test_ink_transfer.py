@@ -455,6 +455,21 @@ def test_a_dark_tip_leaves_on_a_wet_wash_what_it_leaves_beside_it():
     assert coats[over].mean() > 0.8 * coats[beside].mean()  # .56 by the mean of the tuft
 
 
+def test_a_trace_of_a_colour_in_a_tuft_leaves_it_its_ink_over_that_colour():
+    """By the trace alone the wet colour counted as fifty times as much ink, and none came."""
+    surface = PaintedSurface(sheet(flat, (14.0, 14.0), 3.0), 0.4, "xuan")
+    steps, pressures = np.linspace(-12.0, 12.0, 100), np.full(100, 0.35)
+    across, along = np.eye(3)[:2]
+    painter = Painter(surface, "full", {"cinnabar": 0.3, "water": 0.7})
+    painter.replay(poses(np.outer(steps, across), UP, across, pressures, tilt=UPRIGHT), wet=True)
+    painter.dip({"pine soot": 0.37, "cinnabar": 0.03, "water": 0.6})
+    painter.replay(poses(np.outer(steps, along), UP, along, pressures, tilt=UPRIGHT), wet=True)
+    x, y = np.abs(surface.paint_mesh.vertices[:, :2].T)
+    soot = surface.amounts[:, surface.column_of(load_pigment("pine soot"))]
+    beside = soot[(x < 1.0) & (y > 5.0) & (y < 8.0)].mean()
+    assert soot[(x < 1.0) & (y < 1.0)].mean() > 0.75 * beside  # 0 by the trace
+
+
 def test_a_leaf_by_one_stroke_has_no_bands():
     """What has run off since it was followed is not put back by another part of the tuft."""
     surface = PaintedSurface(sheet(flat, (26.0, 10.0), 3.0), 0.25, "xuan")

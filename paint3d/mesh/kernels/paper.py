@@ -20,10 +20,11 @@ __all__ = ["MOST_ASIDE_MM", "lay_paper", "lay_paper_at"]
 
 # h_k, half a wavelength, and a_k along each axis: mm. Set so that edges on xuan are about
 # as rough as those of ink on raw practice paper in each octave of .13 to 2.1 mm.
-_EDGE = ((0.09, 0.004), (0.19, 0.009), (0.38, 0.025), (0.75, 0.05), (1.4, 0.085), (3.1, 0.13))
-# An edge is somewhat cleaner here than there: h and deviation of the log of each, up to which h all
-# of it counts, from there on its root, and the most of it.
-_RAGGED, _SMOOTH_MM, _MOST_RAGGED = ((3.5, 0.55), (15.0, 0.35)), 1.0, 3.0
+_EDGE = ((0.09, 0.0034), (0.19, 0.0075), (0.38, 0.02), (0.75, 0.04), (1.4, 0.068), (3.1, 0.12))
+# An edge is calm for long, then torn: h and deviation of the log of each, up to which h all of it
+# counts, from there on its root, and the most of it. By photographs: roughness on a way as long as
+# a stroke is wide differs 3.5 to 6 times between the tenth and the ninetieth of a hundred.
+_RAGGED, _SMOOTH_MM, _MOST_RAGGED = ((5.0, 1.1), (15.0, 0.6)), 1.0, 6.0
 # Fibres that draw an edge on or keep it off: h of the noise along whose zeros they lie, and half
 # their width as a deviation of it; how far, mm, h of the noise that says whither, and the most of
 # `ragged` that counts; half the wavelength that vertices have to show.
@@ -31,8 +32,8 @@ _FIBRE_MM, _FIBRE_AT = 0.6, 0.13
 _PULL_MM, _PULL_WAY_MM, _PULL_RAGGED = 0.1, 0.9, 2.0
 _FIBRE_SHOWN_MM = 0.16
 MOST_ASIDE_MM = 0.6  # how far aside an outline may be met, whatever the noise on raw xuan
-_TAKE = ((0.1, 0.03), (0.25, 0.02), (0.7, 0.01), (3.0, 0.02))  # h_k, mm, and s_k: set by eye
-_COARSE = 0.4  # how much of that is grain as well, and pores: where an edge is torn ink is uneven
+_TAKE = ((0.1, 0.02), (0.25, 0.013), (0.7, 0.008), (3.0, 0.02))  # h_k, mm, and s_k: set by eye
+_COARSE = 0.28  # how much of that is grain as well, and pores: where an edge is torn ink is uneven
 # Pores that take little: h, from which deviation on, and how much less by the square beyond it.
 _VOID_MM, _VOID_AT, _VOID = 0.16, 1.1, 0.04
 _PER_DEVIATION = 2.7  # value noise blended by smooth steps has a deviation of .37

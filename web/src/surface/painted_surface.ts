@@ -95,6 +95,7 @@ export class PaintedSurface {
     transfer.field("grain")[0] = this.material.grain;
     transfer.field("tooth_mm")[0] = this.material.tooth_mm;
     transfer.field("reservoir_mm")[0] = 1.0;
+    transfer.field("water")[0] = -1;
     this.ink = {
       amounts: kernels.zeros("f4", capacity, 0),
       coverage: kernels.zeros("f4", capacity),
@@ -200,6 +201,7 @@ export class PaintedSurface {
     ink.load = this.#widened(ink.load, count);
     ink.off_surface = this.#widened(ink.off_surface, count);
     ink.reservoirs = this.#widened(ink.reservoirs, count);
+    if (!pigment.lasting) ink.transfer.field("water")[0] = count - 1;
     this.#colours?.free();
     this.#colours = new ColourModel(
       this.kernels, this.studio.colourTables, this.pigments, this.ground.backing,
