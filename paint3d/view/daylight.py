@@ -117,6 +117,8 @@ class Ground:
 
 def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
     """Return the floor just under the object's lowest point, with the object's soft shadow."""
+    from scipy.ndimage import gaussian_filter
+
     half = GROUND_HALF * occluder.radius
     floor = occluder.lowest - GAP * occluder.radius
     origin = np.array([occluder.centre[0], occluder.centre[1], floor], dtype=np.float64)
@@ -124,21 +126,9 @@ def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
     above = [sun for sun in suns if sun.direction[2] > 0]
     occluder.shade(above, Ground(origin, half, openness))
     # Blur least where the shadow is darkest: under the object, where contact is visible.
-    sharp, soft = (_blurred(openness, blur) for blur in GROUND_BLURS)
+    sharp, soft = (gaussian_filter(openness, blur, mode="nearest") for blur in GROUND_BLURS)
     dark = np.clip((SHARP_BELOW - soft) / SHARP_BELOW * 2, 0, 1)
     return Ground(origin, half, soft + dark * (sharp - soft))
-
-
-def _blurred(openness: AnyArray, cells: float) -> AnyArray:
-    """Return an array (N, N) blurred by a Gaussian; SciPy's takes longer to load than a picture."""
-    reach = int(4.0 * cells + 0.5)
-    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / cells) ** 2)
-    weights /= weights.sum()
-    for _ in range(2):  # down, then across
-        wide = np.pad(openness, ((reach, reach), (0, 0)), mode="edge")
-        rows = len(openness)
-        openness = sum(w * wide[k : k + rows] for k, w in enumerate(weights)).T
-    return openness
 
 
 def light_points(

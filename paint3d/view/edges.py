@@ -184,7 +184,7 @@ SRGB_CODES = (
 def draw_edges(
     actor: Any, mesh: Any, edges: Edges, shaders: EdgeShaders, paper: Paper | None = None
 ) -> None:
-    """Have an actor of a mesh with a mapper of its own draw the edges of paint sharp.
+    """Have the actor of a mesh draw the edges of paint sharp.
 
     `paper` is what it shows (`show_paper`).
     """
@@ -201,19 +201,6 @@ def draw_edges(
         colour, True, f"{shaders.fragment_on(paper)}\n{colour}", False
     )
     shader.AddFragmentShaderReplacement("vertexColorVSOutput.rgb", False, "painted", True)
-
-
-def own_mapper(actor: Any, mesh: Any, colours: str) -> Any:
-    """Give a PyVista actor a mapper that maps arrays to attributes, which its own does not."""
-    from vtkmodules.vtkRenderingCore import vtkPolyDataMapper
-
-    mapper = vtkPolyDataMapper()
-    mapper.ShallowCopy(actor.GetMapper())
-    mapper.SetInputData(mesh)
-    mapper.SetScalarModeToUsePointFieldData()
-    mapper.SelectColorArray(colours)
-    actor.SetMapper(mapper)
-    return mapper
 
 
 def set_edges(mesh: Any, edges: Edges) -> None:

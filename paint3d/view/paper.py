@@ -154,12 +154,12 @@ class Paper:
 
 
 def show_paper(actor: Any, mesh: Any, places: AnyArray, paper: Paper, *, codes: bool) -> None:
-    """Have an actor of a mesh with a mapper of its own show paper.
+    """Have the actor of a mesh show paper.
 
     Parameters
     ----------
     actor, mesh
-        See `edges.own_mapper`.
+        See `edges.draw_edges`.
     places : (V, 3) float32
         Of the vertices on the object at rest, mm.
     paper : Paper
