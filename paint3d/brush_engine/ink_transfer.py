@@ -227,6 +227,7 @@ FILM = 0.35  # of equation (12a): pressure under which a way as long as the root
 FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
 _DRY_FILM = 0.5  # of that film, what a tuft leaves that hardly reaches the grain
 _FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one sweep at most
+_TRACE = 0.025  # fraction of pigment in a liquid at which a count by it is halved
 _FED_MM = 1.0  # way on which it puts back all but 1 / e of what has run from under it
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
 _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
@@ -234,7 +235,6 @@ _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
 _EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.25, 4.0
 _LEAST_COVERED = 1.0 / 16.0  # of a vertex's area: what ink lies on counts as no less
 _LEAST_WIDTH = 1e-6  # mm, of a tuft whose liquid is looked for
-_LEAST_HELD = 1e-12  # coats x mm2, of ink that is looked for
 _NOTHING = 1e-6  # share of a film
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
@@ -355,7 +355,8 @@ def _count_drained(before, after, found, n, field, ink):
     """Count the liquid with which the ink on vertices came: its water, once in the paper, is gone.
 
     What lies on a vertex counts as so much of the liquid that the tuft holds where it touches it
-    as brings those pigments, by least squares; `found.coats` only grows.
+    (of single hairs their mean) as brings those pigments, by least squares; a tuft of water with a
+    trace of pigment tells nothing. `found.coats` only grows.
     """
     ids, coats, reservoirs = found.ids, found.coats, ink.reservoirs
     count, n_pigments = reservoirs.shape
@@ -377,7 +378,9 @@ def _count_drained(before, after, found, n, field, ink):
                 along += held * ink.amounts[v, p]
                 squared += held * held
         if squared > 0.0:
-            coats[k] = max(coats[k], np.float32(along / squared * total))
+            fourth = squared * squared
+            told = fourth / (fourth + (_TRACE * total) ** 4)
+            coats[k] = max(coats[k], np.float32(told * along / squared * total))
 
 
 @uncounted(error_model="numpy", apart=True)

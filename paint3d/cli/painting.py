@@ -364,11 +364,11 @@ def check_poses(
     if doubts.handle is None:
         return doubts
     made_on, object_ = recording.header.get("object"), surface.source.name
-    if made_on in (None, object_):
+    if not isinstance(made_on, str) or made_on == object_:
         raise RecordingError("{name}: {handle}", name=name, handle=doubts.handle)
     raise RecordingError(
-        "{name}: it was recorded on {made_on}, and where its strokes lay there the handle would "
-        "point into {object}; expected --at U,V, which lays it on {object}",
+        "{name}: it was recorded on {made_on}, and at the same positions the handle would point "
+        "into {object}; expected --at U,V, which lays its strokes on {object}",
         name=name,
         made_on=made_on,
         object=object_,

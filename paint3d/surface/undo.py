@@ -22,7 +22,7 @@ from paint3d.surface.dry_layers import DryRows
 from paint3d.surface.ink_store import union
 from paint3d.surface.layer_stack import StackState
 from paint3d.surface.painted_surface import PaintedSurface
-from paint3d.surface.state import FLOW_VERTICES
+from paint3d.surface.state import BRUSH_TRANSFER, FLOW_VERTICES
 
 __all__ = [
     "BrushLoad",
@@ -68,7 +68,7 @@ class BrushLoad:
         ink, count = surface.ink, len(surface.pigments)
         for name in ("load", "off_surface"):
             getattr(ink, name)[:] = np.pad(getattr(self, name), (0, count - len(self.load)))
-        ink.transfer[:] = self.transfer
+        ink.transfer[BRUSH_TRANSFER] = self.transfer[BRUSH_TRANSFER]
         missing = count - self.reservoirs.shape[1]
         surface.ink = ink._replace(reservoirs=np.pad(self.reservoirs, ((0, 0), (0, missing))))
 

@@ -247,8 +247,9 @@ class LiveObject:
         if surface.source.colours is None:
             return None
         bare = surface.bare_codes_at(np.arange(surface.n_vertices, dtype=np.int32))
-        colours, parts = np.unique(bare, axis=0, return_inverse=True)
-        return parts.ravel() if len(colours) <= _MOST_PARTS else None
+        packed = bare.astype(np.int32) @ np.array([65536, 256, 1], np.int32)
+        colours = np.unique(packed)
+        return np.searchsorted(colours, packed) if len(colours) <= _MOST_PARTS else None
 
     def repaint_coarse(self) -> CoarseObject | None:
         """Apply the changes of the last `uploads` to the coarse version; return it, or None."""

@@ -402,7 +402,7 @@ def _box_of(points: AnyArray, camera: Camera, size: tuple[int, int]) -> tuple[in
         return 0, 0, 0, 0
     seen = (points - camera.position) @ np.stack(picture_axes(camera), axis=1)
     depth = -seen[:, 2]
-    if not depth.min() > 0.0:  # part of it lies beside the camera
+    if not depth.min() > 0.0:  # part of it lies behind the camera
         return 0, 0, width, height
     places = seen[:, :2] / depth[:, None] / np.tan(camera.view_angle / 2) * (height / 2)
     x, y = places[:, 0] + width / 2, height / 2 - places[:, 1]

@@ -21,6 +21,7 @@ from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.errors import InputError
 from paint3d.files.project.session import load_session, save_session
+from paint3d.surface.state import BRUSH_TRANSFER
 from tests.support.app.hands import paint, same_vertices, small_plane
 from tests.support.app.repeating import repeated
 from tests.support.examples import examples
@@ -97,7 +98,7 @@ def everything(document):
         "coverage": surface.coverage.copy(), "dried": dry.vertex_ids[order],
         "spectra": dry.spectra[order], "share": dry.share[order], "water": depth,
         "load": ink.load.copy(), "off": ink.off_surface.copy(), "reservoirs": ink.reservoirs.copy(),
-        "transfer": ink.transfer.copy(), "hairs": hairs,
+        "transfer": np.array(ink.transfer[BRUSH_TRANSFER].tolist()), "hairs": hairs,
         "layers": np.array([layer.name for layer in document.layers]),
         "active": np.array(document.active_layer), "brush": np.array(painter.brush.name),
         "steps": np.array([len(document.steps.done), len(document.steps.undone)]),

@@ -16,6 +16,7 @@ from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
 from paint3d.surface.ink_store import union
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.surface.state import BRUSH_TRANSFER
 from paint3d.surface.undo import UndoHistory
 from tests.support.app.hands import line
 from tests.support.cases import long_but
@@ -57,7 +58,7 @@ def state(surface, painter, n, columns):
         "load": np.pad(ink.load, (0, columns - len(ink.load))),
         "off": np.pad(ink.off_surface, (0, columns - len(ink.off_surface))),
         "reservoirs": wide(ink.reservoirs, columns),
-        "transfer": ink.transfer.copy(),
+        "transfer": np.array(ink.transfer[BRUSH_TRANSFER].tolist()),
         "loaded": np.array(painter.loaded),
         "srgb": surface.srgb[:n].copy(),
         "water": depth,
@@ -117,6 +118,19 @@ def test_undo_and_redo_lead_back_to_the_bit(steps, budget):
         accounts = painter.ledger()
         gone = accounts.pop("loaded") - sum(accounts.values())
         assert abs(gone) < 1e-4 * painter.tuft.load
+
+
+def test_the_first_water_dipped_in_and_taken_back_is_known_afterwards():
+    """Else ink that has drained into paper no longer counts, until the painting is reopened."""
+    surface = PaintedSurface(load_mesh("plane"), 4.0)
+    painter = Painter(surface)
+    history = UndoHistory(surface, 10**8, painter.keep, painter.restore)
+    history.begin("dip")
+    painter.dip({"pine soot": 1.0, "water": 3.0})
+    history.undo()
+    painter.dip({"pine soot": 1.0, "water": 3.0})
+    names = [pigment.name for pigment in surface.pigments]
+    assert surface.ink.transfer["water"].tolist() == [names.index("water")]
 
 
 def test_a_step_takes_room_for_what_it_touched_only():

@@ -154,7 +154,7 @@ def test_a_seal_waits_in_the_hand_while_the_brush_writes(window) -> None:
     click_button(window.panels.copybook, "Press a seal…")
     wait_for(lambda: window.sealing.seal is not None)
     type_key(window.canvas, KEY.Key_Return)
-    assert "still writes" in window.status.message_label.text()
+    assert "still writing" in window.status.message_label.text()
     window.player.pause(False)
     wait_for(lambda: len(window.document.strokes) == 1 and not window.player.is_playing)
     type_key(window.canvas, KEY.Key_Return)

@@ -470,6 +470,22 @@ def test_a_trace_of_a_colour_in_a_tuft_leaves_it_its_ink_over_that_colour():
     assert soot[(x < 1.0) & (y < 1.0)].mean() > 0.75 * beside  # 0 by the trace
 
 
+@pytest.mark.parametrize("trace", [0.0, 1e-4, 1e-2])
+def test_water_with_a_trace_of_ink_runs_over_ink_that_has_drained(trace):
+    """By the trace, ink counted as thousands of coats of such water, and the sheet as full."""
+    surface = PaintedSurface(sheet(flat, (14.0, 14.0), 3.0), 0.4, "xuan")
+    steps, pressures = np.linspace(-12.0, 12.0, 100), np.full(100, 0.35)
+    painter = Painter(surface, "full", {"pine soot": 0.3, "water": 0.7})
+    motion = poses(np.outer(steps, [1.0, 0.0, 0.0]), UP, (1.0, 0.0, 0.0), pressures, tilt=UPRIGHT)
+    painter.replay(motion)
+    water = surface.ink.transfer["water"].astype(int)[0]
+    surface.ink.amounts[:, water] = 0.0  # it is in the paper
+    painter.dip({"pine soot": trace, "water": 1.0} if trace else "water")
+    painter.replay(motion)
+    x, y = np.abs(surface.paint_mesh.vertices[:, :2].T)
+    assert surface.amounts[(x < 8.0) & (y < 1.0), water].mean() > 0.3  # 0 by the trace
+
+
 def test_a_leaf_by_one_stroke_has_no_bands():
     """What has run off since it was followed is not put back by another part of the tuft."""
     surface = PaintedSurface(sheet(flat, (26.0, 10.0), 3.0), 0.25, "xuan")

@@ -341,7 +341,7 @@ class Sealing(QtCore.QObject):
         else:
             self._show_outline(proposed.point, proposed.up)
             told = say(
-                "Enter presses the seal where it is shown, a click where you click; Esc cancels"
+                "Enter presses the seal where it is shown; click to press it elsewhere; Esc cancels"
             )
             workspace.tell(told, stays=True)
 
@@ -424,7 +424,7 @@ class Sealing(QtCore.QObject):
         workspace, seal = self._workspace, self.seal
         assert seal is not None
         if self.is_writing():
-            told = say("The brush still writes; press the seal when it has ended")
+            told = say("The brush is still writing; press the seal once it has finished")
             workspace.tell(told, state="slow", stays=True)
             return
         if up is None:

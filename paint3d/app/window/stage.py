@@ -383,7 +383,7 @@ class Stage:
             drawn = DrawnMesh()
             drawn.set_shape(points, faces)
             drawn.set_colours(np.tile(np.array(colour, np.uint8), (len(points), 1)))
-        self._show_on_object(name, drawn, [points] if len(faces) else [], (colour,))
+        self._show_on_object(name, drawn, [points] if len(faces) else [], (colour, faces.tobytes()))
 
     def _show_on_object(
         self, name: str, drawn: DrawnMesh | None, parts: Sequence[AnyArray], look: tuple[Any, ...]

@@ -382,7 +382,7 @@ class CopybookGuide:
             return False
         if isinstance(error, Paint3DError) and "smaller" in error.message.fields:
             smaller = error.message.fields["smaller"]
-            asked = say("At {size} the text has no room there", size=say_length(laid.em_mm))
+            asked = say("The text does not fit there at {size}", size=say_length(laid.em_mm))
             accept = say("Lay out at {size}", size=say_length(smaller))
             if ask(workspace.window, asked, accept=accept, warns=True) is Answer.AcceptRole:
                 return self._put(laid.moved(em_mm=smaller), number)
