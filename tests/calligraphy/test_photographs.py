@@ -18,6 +18,7 @@ from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.kernels.raster import fill_depths, label_patches
 from paint3d.calligraphy.photo.characters import characters_of
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
+from paint3d.calligraphy.photo.ink_mask import polygons_in
 from paint3d.calligraphy.photo.likeness import likeness_of
 from paint3d.calligraphy.photo.sheet import (
     blur_matrix,
@@ -358,6 +359,27 @@ def test_counters_stay_open_beside_flying_white() -> None:
     for k in range(3):
         assert not sheet.ink.body[81 + 26 * k : 85 + 26 * k, 50:74].any()
     assert sheet.ink.body[60:150, 100:118].mean() > 0.95
+
+
+def cut_up(text: str, apart: float) -> np.ndarray:
+    """A scan in black and white of a character cut up in its middle by ragged streaks."""
+    body = np.pad(sheet_of([open_glyphs(None).load(text)], 1, seals=0, longest=560).body, 10)
+    noise = np.random.default_rng(2).standard_normal(body.shape)
+    y, x = np.indices(body.shape)
+    streaks = (x + 0.35 * y + 7.0 * ndimage.gaussian_filter(noise, 1.2)) % apart < 2.0
+    streaks &= (0.35 * len(body) < y) & (y < 0.75 * len(body))
+    return np.repeat(np.where(body & ~streaks, 0, 255).astype(np.uint8)[..., None], 3, axis=2)
+
+
+@pytest.mark.parametrize(
+    ("text", "apart", "n_shapes", "n"), [("三", 9.0, 3, 3), ("川", 11.0, 3, 3), ("非", 9.0, 2, 8)]
+)
+def test_strokes_cut_up_by_streaks_are_whole_and_apart(
+    text: str, apart: float, n_shapes: int, n: int
+) -> None:
+    sheet = copy_sheet(cut_up(text, apart), "c", Asked(whole=True))
+    assert len(polygons_in(sheet.ink.body, sheet.ink.width)) == n_shapes
+    assert sum(len(piece.glyph.strokes) for piece in sheet.page.pieces) == n
 
 
 def left_out(sheet: CopiedSheet, box: tuple[int, int, int, int]) -> float:

@@ -221,6 +221,7 @@ _LEAST = 2e-4
 _DITHERED = 30.0  # pixels of ink to each piece of it and hole in it: fewer is no writing
 _MOST_PIECES = 2000  # the same of strokes' bodies on a sheet
 _SAME = 1e-6  # of the larger: values that differ by less are the same
+_CUT_UP = 1.3  # times as wide as their ink: bodies of strokes that streaks cut up
 _COARSEST = 5.0  # pixels: narrower strokes are too coarse to be taken apart
 
 
@@ -310,6 +311,8 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
             pieces=pieces,
         )
     body = bodies_in(mask, faint, width)
+    if (whole := _stroke_width(body)) > _CUT_UP * width:
+        body = bodies_in(mask, faint, whole)
     _check_pieces(body)
     mask &= body
     width = _require_width(body)
