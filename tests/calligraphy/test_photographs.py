@@ -160,6 +160,27 @@ def test_soft_pale_blots_are_stains_which_is_told(cut: int, darkness: float, siz
     assert copy_sheet(pixels, "s", Asked(whole=True, darker=0.0)).ink.body[:190].any()
 
 
+@pytest.mark.parametrize(("darkness", "ink"), [(0.9, 45.0), (2.0, 45.0), (0.9, 110.0)])
+def test_broad_stains_as_dark_as_ink_are_none(darkness: float, ink: float) -> None:
+    """Brown, beside strokes and across them: the strokes stay."""
+    y, x = np.mgrid[:500, :400]
+    blots = [np.hypot(x - 60, y - 260), np.hypot(x - 270, y - 160)]
+    stain = darkness / (1.0 + np.exp((np.minimum(*blots) - 70.0) / 12.0))
+    light = np.array([222.0, 208.0, 180.0]) * np.exp(-stain[..., None] * [0.55, 0.8, 1.1])
+    bars = (60, 420, 180, 205), (60, 420, 300, 325)
+    inked = np.zeros((500, 400))
+    for top, bottom, left, right in bars:
+        inked[top:bottom, left:right] = 1.0
+    inked = ndimage.gaussian_filter(inked, 0.8)[..., None]
+    light += inked * (np.minimum(light, ink) - light)
+    light += 2.0 * np.random.default_rng(5).standard_normal((500, 400, 1))
+    pixels = np.clip(light, 0, 255).astype(np.uint8)
+    sheet = copy_sheet(pixels, "s", Asked(whole=True))
+    assert sum(len(piece.glyph.strokes) for piece in sheet.page.pieces) == 2
+    assert max(left_out(sheet, bar) for bar in bars) < 0.06
+    assert [one for one in sheet.notes if "stain" in one]
+
+
 def test_all_that_is_too_small_is_said() -> None:
     with pytest.raises(InputError, match="all pieces of ink on the sheet are smaller"):
         copy_sheet(stained(), "a.png", Asked(whole=True, least=9.0))
