@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import AnyArray, as_array, as_number, cross, dots_of, lengths_of
+from paint3d.core.arrays import AnyArray, as_array, as_number, dots_of, length_of, lengths_of
 from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.kernels.tensor_spline import eliminate_spline, evaluate_splines, solve_spline
@@ -29,6 +29,7 @@ __all__ = [
     "frame_at",
     "lattice",
     "lay_square",
+    "lay_squares",
     "make_chart",
     "overlapping",
     "unroll",
@@ -156,15 +157,19 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     wanted = as_array(up, "up", (3,))
     found = surface.find(as_array(point, "point", (3,))[None])
     normal = found.normals[0]
-    tangent = wanted - normal * dots_of(wanted, normal)
-    length = float(lengths_of(tangent))
-    if length < 1e-6 * max(float(lengths_of(wanted)), 1e-12):
+    (up_x, up_y, up_z), (x, y, z) = wanted.tolist(), normal.tolist()
+    along = up_x * x + up_y * y + up_z * z  # numbers: arrays of three take four times as long
+    rise_x, rise_y, rise_z = up_x - x * along, up_y - y * along, up_z - z * along
+    length = math.sqrt(rise_x * rise_x + rise_y * rise_y + rise_z * rise_z)
+    if length < 1e-6 * max(length_of(wanted), 1e-12):
         raise InputError(
             "up is {wanted}, along the surface's normal; expected another direction",
             wanted=wanted.tolist(),
         )
-    y_axis = tangent / length
-    return SurfaceFrame(found.points[0], cross(y_axis, normal), y_axis, normal)
+    rise_x, rise_y, rise_z = rise_x / length, rise_y / length, rise_z / length
+    across = rise_y * z - rise_z * y, rise_z * x - rise_x * z, rise_x * y - rise_y * x
+    y_axis = np.array([rise_x, rise_y, rise_z])
+    return SurfaceFrame(found.points[0], np.array(across), y_axis, normal)
 
 
 def lattice(xs: AnyArray, ys: AnyArray) -> NDArray[np.float64]:
@@ -313,30 +318,47 @@ def make_chart(
     All nodes are traced side by side, in steps along the tangent followed by the closest point:
     for n nodes and a reach r, n r / step closest points of about 1 us.
     """
-    half_width = as_number(half_width, "half_width", 1e-3, 1e6)
-    half_height = as_number(half_height, "half_height", 1e-3, 1e6)
+    (chart,) = _make_charts(surface, [frame], [(half_width, half_height)], spacing, step)
+    return chart
+
+
+def _make_charts(
+    surface: ClosestPoints,
+    frames: Sequence[SurfaceFrame],
+    halves: Sequence[tuple[float, float]],
+    spacing: float,
+    step: float,
+) -> list[SurfaceChart]:
+    """Lay rectangles of half a width and height, mm, around frames, all side by side."""
     spacing = as_number(spacing, "spacing", 1e-3, 1e6)
     step = as_number(step, "step", 1e-3, 1e6)
     size = float(np.linalg.norm(np.ptp(surface.mesh.bounds, axis=0)))
-    reach = math.hypot(half_width, half_height)
-    if reach > _FARTHEST_SIZES * size:
-        raise InputError(
-            "{object} is {size:.0f} mm in size; expected a sheet that reaches less than "
-            "{reach:.0f} mm from its middle",
-            object=surface.mesh.name,
-            size=size,
-            reach=reach,
-        )
-    xs, ys = _nodes(half_width, spacing), _nodes(half_height, spacing)
-    x, y = (grid.ravel() for grid in np.meshgrid(xs, ys, indexing="ij"))
-    # the rim first: where the surface ends within the rectangle, a few geodesics show it
     along = np.linspace(-1.0, 1.0, _PROBES)
-    rim_x, rim_y = (grid.ravel() for grid in np.meshgrid(along, along, indexing="ij"))
-    rim = np.maximum(np.abs(rim_x), np.abs(rim_y)) == 1.0
-    _trace(surface, frame, half_width * rim_x[rim], half_height * rim_y[rim], step)
-    points, normals = _trace(surface, frame, x, y, step)
-    shape = (len(xs), len(ys), 3)
-    return SurfaceChart(frame, xs, ys, points.reshape(shape), normals.reshape(shape))
+    rim = lattice(along, along)
+    rim = rim[np.abs(rim).max(axis=1) == 1.0]
+    grids, rims = [], []
+    for half_width, half_height in halves:
+        half_width = as_number(half_width, "half_width", 1e-3, 1e6)
+        half_height = as_number(half_height, "half_height", 1e-3, 1e6)
+        reach = math.hypot(half_width, half_height)
+        if reach > _FARTHEST_SIZES * size:
+            raise InputError(
+                "{object} is {size:.0f} mm in size; expected a sheet that reaches less than "
+                "{reach:.0f} mm from its middle",
+                object=surface.mesh.name,
+                size=size,
+                reach=reach,
+            )
+        grids.append((_nodes(half_width, spacing), _nodes(half_height, spacing)))
+        rims.append(np.array([half_width, half_height]) * rim)
+    # the rim first: where the surface ends within the rectangle, a few geodesics show it
+    _trace(surface, frames, rims, step)
+    traced = _trace(surface, frames, [lattice(xs, ys) for xs, ys in grids], step)
+    charts = []
+    for frame, (xs, ys), (points, normals) in zip(frames, grids, traced, strict=True):
+        shape = (len(xs), len(ys), 3)
+        charts.append(SurfaceChart(frame, xs, ys, points.reshape(shape), normals.reshape(shape)))
+    return charts
 
 
 def _nodes(half: float, spacing: float) -> AnyArray:
@@ -345,16 +367,38 @@ def _nodes(half: float, spacing: float) -> AnyArray:
 
 
 def _trace(
-    surface: ClosestPoints, frame: SurfaceFrame, x: AnyArray, y: AnyArray, step_mm: float
+    surface: ClosestPoints,
+    frames: Sequence[SurfaceFrame],
+    ends: Sequence[AnyArray],
+    step_mm: float,
+) -> list[tuple[AnyArray, AnyArray]]:
+    """Trace geodesics from frames to chart coordinates (N, 2) of each; points, normals (N, 3)."""
+    n_steps = [max(1, math.ceil(lengths_of(xy).max() / step_mm)) for xy in ends]
+    traced: dict[int, tuple[AnyArray, AnyArray]] = {}
+    for n in dict.fromkeys(n_steps):
+        those = [k for k, wanted in enumerate(n_steps) if wanted == n]
+        counts = [len(ends[k]) for k in those]
+        starts = [
+            np.repeat([getattr(frames[k], axis) for k in those], counts, axis=0)
+            for axis in ("origin", "x_axis", "y_axis", "normal")
+        ]
+        points, normals = _trace_steps(surface, starts, np.concatenate([ends[k] for k in those]), n)
+        parts = np.cumsum(counts)[:-1]
+        split = zip(np.split(points, parts), np.split(normals, parts), strict=True)
+        traced.update(zip(those, split, strict=True))
+    return [traced[k] for k in range(len(ends))]
+
+
+def _trace_steps(
+    surface: ClosestPoints, starts: Sequence[AnyArray], ends: AnyArray, n_steps: int
 ) -> tuple[AnyArray, AnyArray]:
-    """Trace geodesics from the frame to chart coordinates x, y; return points, normals (N, 3)."""
-    reach = np.sqrt(x * x + y * y)
-    n_steps = max(1, math.ceil(reach.max() / step_mm))
+    """Trace geodesics in so many steps from origins with x axes, y axes and normals (N, 3)."""
+    points, x_axes, y_axes, normals = starts
+    x, y = ends.T
+    reach = lengths_of(ends)
     step = (reach / n_steps)[:, None]
     safe = np.where(reach > 0.0, reach, 1.0)[:, None]
-    heading = (x[:, None] * frame.x_axis + y[:, None] * frame.y_axis) / safe
-    points = np.broadcast_to(frame.origin, heading.shape).copy()
-    normals = np.broadcast_to(frame.normal, heading.shape).copy()
+    heading = (x[:, None] * x_axes + y[:, None] * y_axes) / safe
     for k in range(n_steps):
         found = surface.find(points + step * heading)
         advance = dots_of(found.points - points, heading)
@@ -616,29 +660,67 @@ def lay_square(
     MeshError
         If the surface ends there, or the square breaks the limits; the message says which.
     """
+    (square,) = lay_squares(surface, [frame], em_mm, [size or (em_mm, em_mm)], limits)
+    return square
+
+
+def lay_squares(
+    surface: ClosestPoints,
+    frames: Sequence[SurfaceFrame],
+    em_mm: float,
+    sizes: Sequence[tuple[float, float]],
+    limits: SquareLimits | None = None,
+) -> list[EmSquare]:
+    """Lay boxes around frames, as `lay_square` lays one: for many in half the time.
+
+    Raises
+    ------
+    MeshError
+        For the first that has no place.
+    """
     limits = limits or SquareLimits()
-    width, height = size or (em_mm, em_mm)
     spacing = em_mm / _EM_NODES
-    halves = [(0.5 + limits.margin * (em_mm / side)) * side for side in (width, height)]
+    halves = [
+        ((0.5 + limits.margin * (em_mm / width)) * width,
+         (0.5 + limits.margin * (em_mm / height)) * height)
+        for width, height in sizes
+    ]  # fmt: skip
     try:
-        chart = make_chart(surface, frame, halves[0], halves[1], spacing, max(spacing, _FINEST_MM))
-    except MeshError:
+        charts = _make_charts(surface, frames, halves, spacing, max(spacing, _FINEST_MM))
+    except InputError as cause:
+        if len(frames) > 1:  # which?
+            both = zip(frames, sizes, strict=True)
+            return [lay_square(surface, frame, em_mm, limits, size) for frame, size in both]
+        if not isinstance(cause, MeshError):
+            raise
         raise _no_place_error(
-            surface, frame, em_mm, Message("the surface ends within it")
+            surface, frames[0], em_mm, Message("the surface ends within it")
         ) from None
+    return [
+        _square_on(surface, chart, em_mm, size, limits)
+        for chart, size in zip(charts, sizes, strict=True)
+    ]
+
+
+def _square_on(
+    surface: ClosestPoints,
+    chart: SurfaceChart,
+    em_mm: float,
+    size: tuple[float, float],
+    limits: SquareLimits,
+) -> EmSquare:
+    """The box in the middle of a chart, where it can be written in."""
     lines = [
         np.linspace(-0.5 * side, 0.5 * side, max(_FEWEST, round(_EM_PROBES * (side / em_mm))) + 1)
-        for side in (width, height)
+        for side in size
     ]
     xy = lattice(*lines)
     shape = (len(lines[0]), len(lines[1]), 3)
     points, normals = chart.points(xy).reshape(shape), chart.normals(xy).reshape(shape)
-    square = EmSquare(chart, em_mm, width, height, points, normals)
-    fault = square.fault(limits)
-    if fault is None:
-        fault = _find_obstacle(surface, square, limits.room_mm)
+    square = EmSquare(chart, em_mm, *size, points, normals)
+    fault = square.fault(limits) or _find_obstacle(surface, square, limits.room_mm)
     if fault is not None:
-        raise _no_place_error(surface, frame, em_mm, fault)
+        raise _no_place_error(surface, chart.frame, em_mm, fault)
     return square
 
 

@@ -526,7 +526,10 @@ def _split_point(point: str) -> list[tuple[str, float | None]]:
             words.append((prefix, _TRUTH[word]))
             continue
         sign, is_hexadecimal, digits = word.rpartition("#")
-        value = float(int(sign + digits, 16)) if is_hexadecimal else float(word)
+        try:
+            value = float(int(sign + digits, 16)) if is_hexadecimal else float(word)
+        except OverflowError:
+            value = math.inf
         if not math.isfinite(value):
             raise RecordingError(
                 "a value is {number}; expected a finite number",

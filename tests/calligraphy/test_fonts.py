@@ -403,17 +403,17 @@ def test_what_is_far_too_long_is_refused_before_it_is_set(monkeypatch, order) ->
 def test_few_boxes_are_laid_of_a_page_that_does_not_fit(monkeypatch) -> None:
     """A page is broken and moved until it fits; where it does not, its edges show that."""
     laid, measured = [], []
-    lay_square, box = laying.lay_square, Piece.box.fget
+    lay_squares, box = laying.lay_squares, Piece.box.fget
 
-    def counted(*given):
-        laid.append(given)
-        return lay_square(*given)
+    def counted(surface, frames, *given):
+        laid.extend(frames)
+        return lay_squares(surface, frames, *given)
 
     def seen(piece):
         measured.append(piece)
         return box(piece)
 
-    monkeypatch.setattr(laying, "lay_square", counted)
+    monkeypatch.setattr(laying, "lay_squares", counted)
     monkeypatch.setattr(Piece, "box", property(seen))
     lengths = np.random.default_rng(4).integers(1, 7, 18)
     text = set_text(" ".join("on" * k for k in lengths), dejavu(), Style(), None, "row")

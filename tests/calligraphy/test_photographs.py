@@ -18,6 +18,7 @@ from paint3d.calligraphy.glyph_sources import open_glyphs
 from paint3d.calligraphy.kernels.raster import fill_depths, label_patches
 from paint3d.calligraphy.photo.characters import characters_of
 from paint3d.calligraphy.photo.copying import Asked, CopiedSheet, copy_sheet
+from paint3d.calligraphy.photo.ink_mask import polygons_in
 from paint3d.calligraphy.photo.likeness import likeness_of
 from paint3d.calligraphy.photo.sheet import (
     blur_matrix,
@@ -157,6 +158,27 @@ def test_soft_pale_blots_are_stains_which_is_told(cut: int, darkness: float, siz
     assert left_out(sheet, (200, 420, 120, 145)) < 0.05
     assert left_out(sheet, (300, 325, 150, 255)) < 0.1
     assert copy_sheet(pixels, "s", Asked(whole=True, darker=0.0)).ink.body[:190].any()
+
+
+@pytest.mark.parametrize(("darkness", "ink"), [(0.9, 45.0), (2.0, 45.0), (0.9, 110.0)])
+def test_broad_stains_as_dark_as_ink_are_none(darkness: float, ink: float) -> None:
+    """Brown, beside strokes and across them: the strokes stay."""
+    y, x = np.mgrid[:500, :400]
+    blots = [np.hypot(x - 60, y - 260), np.hypot(x - 270, y - 160)]
+    stain = darkness / (1.0 + np.exp((np.minimum(*blots) - 70.0) / 12.0))
+    light = np.array([222.0, 208.0, 180.0]) * np.exp(-stain[..., None] * [0.55, 0.8, 1.1])
+    bars = (60, 420, 180, 205), (60, 420, 300, 325)
+    inked = np.zeros((500, 400))
+    for top, bottom, left, right in bars:
+        inked[top:bottom, left:right] = 1.0
+    inked = ndimage.gaussian_filter(inked, 0.8)[..., None]
+    light += inked * (np.minimum(light, ink) - light)
+    light += 2.0 * np.random.default_rng(5).standard_normal((500, 400, 1))
+    pixels = np.clip(light, 0, 255).astype(np.uint8)
+    sheet = copy_sheet(pixels, "s", Asked(whole=True))
+    assert sum(len(piece.glyph.strokes) for piece in sheet.page.pieces) == 2
+    assert max(left_out(sheet, bar) for bar in bars) < 0.06
+    assert [one for one in sheet.notes if "stain" in one]
 
 
 def test_all_that_is_too_small_is_said() -> None:
@@ -358,6 +380,27 @@ def test_counters_stay_open_beside_flying_white() -> None:
     for k in range(3):
         assert not sheet.ink.body[81 + 26 * k : 85 + 26 * k, 50:74].any()
     assert sheet.ink.body[60:150, 100:118].mean() > 0.95
+
+
+def cut_up(text: str, apart: float) -> np.ndarray:
+    """A scan in black and white of a character cut up in its middle by ragged streaks."""
+    body = np.pad(sheet_of([open_glyphs(None).load(text)], 1, seals=0, longest=560).body, 10)
+    noise = np.random.default_rng(2).standard_normal(body.shape)
+    y, x = np.indices(body.shape)
+    streaks = (x + 0.35 * y + 7.0 * ndimage.gaussian_filter(noise, 1.2)) % apart < 2.0
+    streaks &= (0.35 * len(body) < y) & (y < 0.75 * len(body))
+    return np.repeat(np.where(body & ~streaks, 0, 255).astype(np.uint8)[..., None], 3, axis=2)
+
+
+@pytest.mark.parametrize(
+    ("text", "apart", "n_shapes", "n"), [("三", 9.0, 3, 3), ("川", 11.0, 3, 3), ("非", 9.0, 2, 8)]
+)
+def test_strokes_cut_up_by_streaks_are_whole_and_apart(
+    text: str, apart: float, n_shapes: int, n: int
+) -> None:
+    sheet = copy_sheet(cut_up(text, apart), "c", Asked(whole=True))
+    assert len(polygons_in(sheet.ink.body, sheet.ink.width)) == n_shapes
+    assert sum(len(piece.glyph.strokes) for piece in sheet.page.pieces) == n
 
 
 def left_out(sheet: CopiedSheet, box: tuple[int, int, int, int]) -> float:

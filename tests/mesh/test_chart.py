@@ -10,7 +10,14 @@ from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.errors import InputError, MeshError, RecordingError
 from paint3d.files.load import load_mesh
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import SplineMap, frame_at, make_chart, unroll
+from paint3d.mesh.chart import (
+    SplineMap,
+    frame_at,
+    lay_square,
+    lay_squares,
+    make_chart,
+    unroll,
+)
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.flat_input import LaidPad, lay, size_of
@@ -151,6 +158,27 @@ def test_a_chart_over_the_edge_is_refused(plane):
     frame = frame_at(plane, [30, 0, 0], [0, 1, 0])
     with pytest.raises(MeshError, match="the surface ends 20"):
         make_chart(plane, frame, 25, 1)
+
+
+def test_boxes_laid_side_by_side_are_those_laid_alone(cap):
+    """To the bit; boxes of several sizes need steps of their own."""
+    frames = [frame_at(cap, (x, x / 2, 75.0), (0, 1, 0)) for x in (-20.0, -9.0, 0.0, 14.0, 22.0)]
+    sizes = [(8.0, 8.0), (3.0, 9.0), (8.0, 8.0), (14.0, 2.0), (8.0, 8.0)]
+    together = lay_squares(cap, frames, 8.0, sizes)
+    for frame, size, square in zip(frames, sizes, together, strict=True):
+        alone = lay_square(cap, frame, 8.0, size=size)
+        assert np.array_equal(alone.points, square.points)
+        assert np.array_equal(alone.normals, square.normals)
+        at = [[0.4 * size[0], -0.3 * size[1]]]
+        assert np.array_equal(alone.chart.tangents(at), square.chart.tangents(at))
+
+
+@pytest.mark.parametrize("x", [30.0, 49.0])
+def test_of_boxes_the_first_that_has_no_place_is_named(plane, x):
+    first, second = frame_at(plane, (x, 0, 0), (0, 1, 0)), frame_at(plane, (48, 9, 0), (0, 1, 0))
+    where = {30.0: r"\(48\.0, 9\.0", 49.0: r"\(49\.0, 0\.0"}[x]
+    with pytest.raises(MeshError, match=rf"{where}, 0\.0\): the surface ends within it"):
+        lay_squares(plane, [first, second], 8.0, [(8.0, 8.0)] * 2)
 
 
 def test_coordinates_outside_the_chart_are_refused(plane):

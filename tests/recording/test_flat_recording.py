@@ -171,6 +171,7 @@ def test_inkml_second_differences_and_bare_traces(tmp_path):
         ("<ink><trace>'1 0</trace></ink>", "the first point is a difference"),
         ("<ink><trace>a b</trace></ink>", "expected decimal numbers"),
         ("<ink><trace>1e999 0</trace></ink>", "expected a finite number"),
+        (f"<ink><trace>#{'F' * 300} 0</trace></ink>", "expected a finite number"),
         ("<ink></ink>", "there are no traces"),
         ("<svg/>", "the root element is <svg>; expected <ink>"),
         ("<ink><trace>0 0</trace>", "not well-formed XML"),

@@ -28,7 +28,7 @@ from paint3d.calligraphy.page.page import Composer, Page, Piece, bounds_of
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_square, overlapping
+from paint3d.mesh.chart import EmSquare, SquareLimits, SurfaceFrame, lay_squares, overlapping
 from paint3d.mesh.placement import SurfaceLine
 
 __all__ = ["PlacedPiece", "lay_page"]
@@ -40,6 +40,7 @@ _ROUNDING = 1e-6  # of a length
 _SHARED = 0.02  # of the em: corners of boxes that share this much more than on the page are apart
 _SEAM = 0.5  # ems between the end of a text and where it begins anew, all around a body: at least
 _MOST_MORE = 0.5 * EM_UNITS  # by which words are drawn apart along a free arc
+_MOST_AT_ONCE = 128  # pieces
 _FAR = 1.5  # times the room, which other heights may have more of: what is larger is not composed
 
 
@@ -223,11 +224,7 @@ class _Sheet(TextPlace):
         for move in (0.0,) if self.layout.is_placed else _MOVES:
             try:
                 laid = self._arrange(page, move * self.em_mm)
-                laid_pieces = {
-                    k: self._lay_piece(laid.pieces[k], laid, move * self.em_mm)
-                    for k in _outermost_first(laid)
-                }
-                placed = [laid_pieces[k] for k in range(len(laid_pieces))]
+                placed = self._lay_pieces(laid, move * self.em_mm)
                 self._check_apart(laid, placed)
                 return placed
             except MeshError as cause:
@@ -398,15 +395,33 @@ class _Sheet(TextPlace):
             )
         return wanted
 
-    def _lay_piece(self, piece: Piece, page: Page, move: float) -> PlacedPiece:
+    def _lay_pieces(self, page: Page, move: float) -> list[PlacedPiece]:
+        """Lay the pieces from the edges inwards, more and more side by side."""
+        order = _outermost_first(page)
+        squares: dict[int, EmSquare] = {}
+        while len(squares) < len(order):
+            several = order[len(squares) :][: min(max(len(squares), 1), _MOST_AT_ONCE)]
+            frames: list[SurfaceFrame] = []
+            fault: InputError | None = None
+            for k in several:
+                try:
+                    frames.append(self._frame_of(page.pieces[k], page, move))
+                except InputError as cause:  # unless one before it has no place
+                    fault = cause
+                    break
+            boxes = [page.pieces[k].glyph.box for k in several[: len(frames)]]
+            sizes = [(self.scale * (b[2] - b[0]), self.scale * (b[3] - b[1])) for b in boxes]
+            laid = lay_squares(self.surface, frames, self.em_mm, sizes, self.limits)
+            if fault is not None:
+                raise fault
+            squares.update(zip(several, laid, strict=True))
+        return [PlacedPiece(piece.glyph, squares[k]) for k, piece in enumerate(page.pieces)]
+
+    def _frame_of(self, piece: Piece, page: Page, move: float) -> SurfaceFrame:
         left, lower, right, upper = page.bounds
         x = self.scale * (piece.at[0] - (0.0 if self.layout.around else 0.5 * (left + right)))
         y = self.scale * (piece.at[1] - 0.5 * (lower + upper)) + move
-        frame = self.frame(self._point_at(x, round(y, 6), right - left))
-        box = piece.glyph.box
-        size = self.scale * (box[2] - box[0]), self.scale * (box[3] - box[1])
-        square = lay_square(self.surface, frame, self.em_mm, self.limits, size)
-        return PlacedPiece(piece.glyph, square)
+        return self.frame(self._point_at(x, round(y, 6), right - left))
 
     def _point_at(self, x: float, height: float, width: float) -> AnyArray:
         """The point (3,) at an offset (mm) right of and above the middle, of a page of a width."""

@@ -95,8 +95,8 @@ class Asked:
     least : float
         Of the square of a character's size: smaller bits of ink are no strokes.
     darker : float, optional
-        Of the light that the ink takes, 0 to 1: what takes less is no ink. Without it, what is pale
-        with soft edges is a stain.
+        Of the light that the ink takes, 0 to 1: what takes less is no ink. Without it, blots with
+        soft edges are stains.
     """
 
     corners: AnyArray | None = None
@@ -228,8 +228,8 @@ def copy_sheet(
         red=inks.red,
     )  # fmt: skip
     stains = Message(
-        "a pale blot with soft edges was taken for a stain of the paper and left out",
-        "{n} pale blots with soft edges were taken for stains of the paper and left out",
+        "a blot with soft edges was taken for a stain of the paper and left out",
+        "{n} blots with soft edges were taken for stains of the paper and left out",
         n=ink.stains,
     )
     along_edge = Message(

@@ -212,6 +212,8 @@ _LENS_EDGE = 0.7  # pixels over which the steepness of edges is measured
 _SHARP, _SOFT = 25.0, 1.8  # per cent of edges are sharper than usual ink's; times as soft: stains'
 _PALE = 0.68  # of the ink's darkness: what is darker is no stain
 _PALE_AMONG, _AMONG = 0.75, 3.0  # the same of what lies so many widths from stains
+_BROAD = 1.0  # widths: half of what is too broad for a stroke
+_VERY_SOFT = 3.0  # times as soft as usual ink's: stains', however dark they are
 _BLOT_PX = 2.5  # half the width of the narrowest stain: what a lens spread is a hair
 _MOST_STAINED = 0.5  # of all that is dark
 _SPECK = 0.01  # squares of a stroke's width: smaller bits of ink are dust
@@ -221,6 +223,7 @@ _LEAST = 2e-4
 _DITHERED = 30.0  # pixels of ink to each piece of it and hole in it: fewer is no writing
 _MOST_PIECES = 2000  # the same of strokes' bodies on a sheet
 _SAME = 1e-6  # of the larger: values that differ by less are the same
+_CUT_UP = 1.3  # times as wide as their ink: bodies of strokes that streaks cut up
 _COARSEST = 5.0  # pixels: narrower strokes are too coarse to be taken apart
 
 
@@ -242,7 +245,7 @@ class InkMask:
     full : float
         Fraction of the light that unbroken ink takes.
     stains : int
-        How many pale blots with soft edges were taken for stains of the paper.
+        How many blots with soft edges were taken for stains of the paper.
     along_edge : int
         How many white pieces that lie along the edge of a rubbing were taken for no strokes.
     """
@@ -264,7 +267,7 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
     density : (H, W) float32
     darker : float, optional
         Only what takes more than this fraction, 0 to 1, of the light that the ink takes: what is
-        paler, such as stains, is ground. Without it, pale blots with soft edges are.
+        paler, such as stains, is ground. Without it, blots with soft edges are.
 
     Raises
     ------
@@ -275,6 +278,7 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
     from scipy.ndimage import gaussian_filter
 
     inner = _inner_mask(density)
+    density, n_broad = _without_broad_stains(density, inner) if darker is None else (density, 0)
     smooth = np.where(inner, gaussian_filter(density, 0.5), 0.0)
     taken = 1.0 - 10.0 ** -np.where(inner, density, 0.0)  # linear in what is inked of a pixel
     near = _threshold(smooth, inner)
@@ -310,21 +314,64 @@ def find_ink(density: NDArray[np.float32], darker: float | None = None) -> InkMa
             pieces=pieces,
         )
     body = bodies_in(mask, faint, width)
+    if (whole := _stroke_width(body)) > _CUT_UP * width:
+        body = bodies_in(mask, faint, whole)
     _check_pieces(body)
     mask &= body
     width = _require_width(body)
     full = max(float(np.percentile(taken[mask], 75.0)), 1e-3)
     return InkMask(
-        np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full, n_stains
+        np.clip(taken / full, 0.0, 1.0).astype(np.float32), mask, body, width, full,
+        n_broad + n_stains,
+    )  # fmt: skip
+
+
+def _without_broad_stains(
+    density: NDArray[np.float32], inner: AnyArray
+) -> tuple[NDArray[np.float32], int]:
+    """Density without that of blots with soft edges, broader than strokes, and how many.
+
+    They are what an opening by more than a stroke's width leaves, so that ink on them is kept. Only
+    what would be taken for ink is counted.
+    """
+    from scipy.ndimage import (
+        binary_erosion,
+        gaussian_gradient_magnitude,
+        label,
+        maximum,
+        maximum_filter,
+        median,
+        minimum_filter,
     )
+
+    density = np.where(inner, density, 0.0).astype(np.float32)
+    near = _threshold(density, inner)
+    edges = near & ~binary_erosion(near)
+    if not edges.any():
+        return density, 0
+    reach = 2 * round(_BROAD * _stroke_width(near)) + 1
+    opened = maximum_filter(minimum_filter(density, reach), reach)
+    pieces, n = label(opened > _FAINTEST, np.ones((3, 3)))
+    each = np.arange(n + 1)
+    steep = gaussian_gradient_magnitude(density, _LENS_EDGE)
+    usual = np.percentile(density[near], 75.0) / np.percentile(steep[edges], 100.0 - _SHARP)
+    rim = (pieces > 0) & ~binary_erosion(pieces > 0)
+    steep = gaussian_gradient_magnitude(opened, _LENS_EDGE)
+    softness = maximum(opened, pieces, each) / np.maximum(
+        median(steep, np.where(rim, pieces, 0), each), 1e-4
+    )
+    stained = softness > _VERY_SOFT * usual
+    stained[0] = False
+    taken_off = np.where(stained[pieces], opened, 0.0)
+    return density - taken_off, len(np.unique(pieces[near & (taken_off > 0.0)]))
 
 
 def _find_stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.bool_], int]:
-    """Pale pieces whose edges are much softer than the ink's, a little around them; how many.
+    """Pieces whose edges are much softer than the ink's, a little around them; how many.
 
-    Smaller ones that lie among them and are nearly as pale are of the same stain, though a fold or
-    the sheet's edge may end it sharply. Where they are more than a part of all, what is pale is the
-    writing.
+    Of dark ones they must be softer still. Smaller ones that lie among them and are nearly as pale
+    are of the same stain, though a fold or the sheet's edge may end it sharply. Where they are more
+    than a part of all, what is pale is the writing.
     """
     from scipy.ndimage import (
         binary_dilation,
@@ -346,10 +393,10 @@ def _find_stains(mask: NDArray[np.bool_], taken: AnyArray) -> tuple[NDArray[np.b
     dark = mean(taken, pieces, each)
     softness = dark[pieces] / np.maximum(steep, 1e-4)
     usual = float(np.percentile(softness[edges], _SHARP))
-    soft = median(softness, np.where(edges, pieces, 0), each) > _SOFT * usual
+    soft = median(softness, np.where(edges, pieces, 0), each) / usual
     paleness = dark / np.percentile(taken[mask], 75.0)
     broad = maximum(distance_transform_edt(mask), pieces, each) > _BLOT_PX
-    stained = soft & (paleness < _PALE) & broad
+    stained = (soft > np.where(paleness < _PALE, _SOFT, _VERY_SOFT)) & broad
     stained[0] = False
     sizes = np.bincount(pieces.ravel())
     if stained.any():
