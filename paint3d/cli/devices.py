@@ -589,7 +589,7 @@ def _list(options: argparse.Namespace) -> None:
 
 
 def _state(node: HidNode) -> str:
-    """Whether a node can be opened, found out by opening it."""
+    """Return whether a node can be opened, found out by opening it."""
     from paint3d.device.hid_link import open_node
 
     try:

@@ -628,7 +628,7 @@ def check_overwriting(
 
 
 def _refers_to(source: str | Path, file: Path) -> bool:
-    """Whether a mesh that is read speaks of a file that would be replaced."""
+    """Return whether a mesh that is read speaks of a file that would be replaced."""
     if not file.exists() or not os.path.isfile(source):
         return False
     from paint3d.files.references import refers_to_apart
@@ -637,7 +637,7 @@ def _refers_to(source: str | Path, file: Path) -> bool:
 
 
 def _same_file(one: str | Path, other: str | Path) -> bool:
-    """Whether two paths lead to one file, through links or not; it need not be there yet."""
+    """Return whether two paths lead to one file, through links or not; it need not be there yet."""
     try:
         return os.path.samefile(one, other)
     except FileNotFoundError:

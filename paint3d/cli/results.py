@@ -336,7 +336,7 @@ def add_painting_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def is_recording(name: str) -> bool:
-    """Whether a file's name is that of a recording."""
+    """Return whether a file's name is that of a recording."""
     plain = name.lower().removesuffix(".gz")
     return plain.endswith(_RECORDINGS)
 

@@ -85,7 +85,7 @@ class JobProgress:
 
     @property
     def is_stopped(self) -> bool:
-        """Whether it is no longer wanted."""
+        """True if it is no longer wanted."""
         return self._stopped
 
 
@@ -144,7 +144,7 @@ def run_beside(
 
 
 def is_waiting(window: QtWidgets.QWidget) -> bool:
-    """Whether a window waits for work beside it."""
+    """Return whether a window waits for work beside it."""
     return window in _waiting
 
 

@@ -309,7 +309,7 @@ class Panels:
             dock.setVisible(not shown and not self._is_idle(name))
 
     def _is_idle(self, name: str) -> bool:
-        """Whether a panel has nothing to show."""
+        """Return whether a panel has nothing to show."""
         return name == "reference" and self.reference.view.image is None
 
     def step(self, by: int) -> None:
@@ -356,7 +356,7 @@ def _needed(dock: QtWidgets.QDockWidget) -> int:
 
 
 def _takes_keys(widget: QtWidgets.QWidget) -> bool:
-    """Whether keys can do something with a widget, besides scrolling it."""
+    """Return whether keys can do something with a widget, besides scrolling it."""
     tab = bool(widget.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus)
     can = tab and widget.isEnabled() and not widget.isHidden()
     return can and not isinstance(widget, QtWidgets.QScrollArea)

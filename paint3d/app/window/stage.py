@@ -167,7 +167,7 @@ class Stage:
 
     @property
     def is_lit(self) -> bool:
-        """Whether the soft light has been found."""
+        """True if the soft light has been found."""
         return self._baking is None and self._unlit is None
 
     # -- frame by frame ---------------------------------------------------------------------
@@ -272,7 +272,7 @@ class Stage:
 
     @property
     def is_drawn(self) -> bool:
-        """Whether nothing is left to draw, also not more finely."""
+        """True if nothing is left to draw, also not more finely."""
         return self._drawn.is_done()
 
     def picture(self, *, fine: bool = True) -> NDArray[np.uint8]:

@@ -66,7 +66,7 @@ DARK_THEME = Theme(
 
 
 def is_system_dark(app: QtWidgets.QApplication) -> bool:
-    """Whether the desktop is dark."""
+    """Return whether the desktop is dark."""
     return app.palette().color(QtGui.QPalette.ColorRole.Window).lightness() < 128
 
 

@@ -205,7 +205,7 @@ class Workspace(QtCore.QObject):
         self.settings = dataclasses.replace(self.settings, **chosen, force_n=self.hand.force)
 
     def wants_dark(self) -> bool:
-        """Whether the settings ask for the dark theme."""
+        """Return whether the settings ask for the dark theme."""
         dark = self.settings.theme == "dark"
         return dark or (self.settings.theme == "system" and self._system_dark)
 
@@ -221,7 +221,7 @@ class Workspace(QtCore.QObject):
 
     @property
     def is_waiting(self) -> bool:
-        """Whether work goes on that the window waits for."""
+        """True if work goes on that the window waits for."""
         return is_waiting(self.window)
 
     def run(
@@ -234,7 +234,7 @@ class Workspace(QtCore.QObject):
         return run_beside(self.window, title, work, here)
 
     def went_well(self, done: Future[Any]) -> bool:
-        """Whether work ended well; what went wrong is told."""
+        """Return whether work ended well; what went wrong is told."""
         error = done.exception()
         if error is None:
             return True

@@ -102,7 +102,7 @@ class BrushDrawing(QtCore.QObject):
 
     @property
     def is_busy(self) -> bool:
-        """Whether something is still to be drawn."""
+        """True if something is still to be drawn."""
         return self._next is not None or self._coming is not None
 
     def ask(self, brush: BrushSpec, ink: Ink) -> None:
@@ -273,7 +273,7 @@ class FactorCurve(QtWidgets.QWidget):
             self._held = -1
 
     def _fits(self, x: float, at: int, after: int) -> bool:
-        """Whether an input lies between the points before a place and from another on."""
+        """Return whether an input lies between the points before a place and from another on."""
         apart = _APART * (self._high - self._low)
         before = self.points[at - 1][0] if at > 0 else -math.inf
         behind = self.points[after][0] if after < len(self.points) else math.inf

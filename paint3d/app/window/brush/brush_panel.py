@@ -302,12 +302,12 @@ class BrushPanel(QtWidgets.QWidget):
 
     @property
     def is_busy(self) -> bool:
-        """Whether previews are still to be painted."""
+        """True if previews are still to be painted."""
         return self._is_due or bool(self._coming)
 
     @property
     def is_settling(self) -> bool:
-        """Whether a size has been chosen that is not yet taken."""
+        """True if a size has been chosen that is not yet taken."""
         return self._settle.isActive()
 
     def resize_brush(self, factor: float) -> None:

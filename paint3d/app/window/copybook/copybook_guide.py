@@ -735,7 +735,7 @@ def _title(text: LaidText) -> str:
 
 
 def _lies_in(book: Copybook, place: AnyArray) -> bool:
-    """Whether a place (3,) lies within a copybook's block."""
+    """Return whether a place (3,) lies within a copybook's block."""
     frame, corners = book.block.frame, book.block.corners
     axes = np.stack([frame.x_axis, frame.y_axis], axis=1)
     off = (place - frame.origin) @ axes

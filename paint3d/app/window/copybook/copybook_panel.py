@@ -35,7 +35,7 @@ _GRID_NAMES = {
 
 
 def _reads_down(text: str) -> bool | None:
-    """Whether a text is usually written in columns; None without a letter."""
+    """Return whether a text is usually written in columns; None without a letter."""
     with suppress(InputError):
         return stands_in_squares(text)
     return None
@@ -339,7 +339,7 @@ class CopybookPanel(QtWidgets.QWidget):
 
     @property
     def fills(self) -> bool:
-        """Whether a text that is laid out is to fill the sheet."""
+        """True if a text that is laid out is to fill the sheet."""
         return self._form.isRowVisible(self.fill_box) and self.fill_box.isChecked()
 
     def _offer_filling(self, on: bool) -> None:

@@ -315,7 +315,7 @@ class LabelGrid:
         self._cells.setdefault(self._cell(place), []).append(place)
 
     def is_free(self, place: QtCore.QPointF) -> bool:
-        """Whether no other number would be covered by one there."""
+        """Return whether no other number would be covered by one there."""
         x, y = self._cell(place)
         near = ((x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1))
         return all(
@@ -394,7 +394,7 @@ class CornerView(PictureView):
         self.update()
 
     def take_hold(self, place: QtCore.QPointF) -> bool:
-        """Whether a corner is there."""
+        """Return whether a corner is there."""
         away = [length_of(self.place(*corner) - place) for corner in self.corners]
         nearest = int(np.argmin(away))
         if away[nearest] > _NEAR:
@@ -606,7 +606,7 @@ class StrokesDialog(QtWidgets.QDialog):
 
     @property
     def is_changed(self) -> bool:
-        """Whether strokes or sheet are not as they were."""
+        """True if strokes or sheet are not as they were."""
         is_other = self._photo is not None and self.steps.now.sheet is not self._photo.sheet
         return is_other or self._now.is_changed
 
@@ -984,6 +984,6 @@ _HINTS = {
 
 
 def _commands(event: QtGui.QKeyEvent) -> bool:
-    """Whether Ctrl or the like is held."""
+    """Return whether Ctrl or the like is held."""
     held = QtCore.Qt.KeyboardModifier
     return bool(event.modifiers() & (held.ControlModifier | held.AltModifier | held.MetaModifier))

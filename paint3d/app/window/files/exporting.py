@@ -222,12 +222,12 @@ class ExportDialog(FormDialog):
 
     @property
     def is_of_screen(self) -> bool:
-        """Whether the picture is the one on the screen."""
+        """True if the picture is the one on the screen."""
         return "view" in self.choices and self.choices["view"].currentData() == "screen"
 
     @property
     def is_taken_otherwise(self) -> bool:
-        """Whether it is a picture of another view, light or ground than the studio's own."""
+        """True if it is a picture of another view, light or ground than the studio's own."""
         if "light" not in self.choices or self._is_on("few"):
             return False
         return self.shot() != Shot(size=self.picture_size())

@@ -82,7 +82,7 @@ def that_exist(paths: Sequence[str | os.PathLike[str]]) -> list[str]:
 
 
 def answers(path: str | os.PathLike[str]) -> bool:
-    """Whether it can be told at all, within a while, if something is at a path."""
+    """Return whether it can be told at all, within a while, if something is at a path."""
     return os.fspath(path) in _look([path])
 
 

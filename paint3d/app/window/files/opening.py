@@ -53,7 +53,7 @@ _one_at_a_time = threading.Lock()
 
 
 def is_first_start() -> bool:
-    """Whether the kernels have never been compiled here, so that it takes a minute."""
+    """Return whether the kernels have never been compiled here, so that it takes a minute."""
     return not is_compiled(paint_samples)
 
 

@@ -60,7 +60,7 @@ class Recovery:
         return lambda: self._ask_and_recover(one)
 
     def _is_wanted(self, one: Unfinished) -> bool:
-        """Whether to go on with it; if not, it is deleted or stays for later."""
+        """Return whether to go on with it; if not, it is deleted or stays for later."""
         answer = ask(
             self._workspace.window,
             say(

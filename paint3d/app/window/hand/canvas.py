@@ -249,7 +249,7 @@ class CanvasWidget(QtWidgets.QWidget):
 
     @property
     def is_steering(self) -> bool:
-        """Whether a drag goes on that turns or moves the view."""
+        """True if a drag goes on that turns or moves the view."""
         return self._mode is not None
 
     def show_pixels(self, pixels: AnyArray, changed: Box | None = None) -> None:
@@ -512,11 +512,11 @@ class CanvasWidget(QtWidgets.QWidget):
         return not self._saw_pen(time_ns, _PEN_LEFT_NS)
 
     def _saw_pen(self, time_ns: int, within_ns: int) -> bool:
-        """Whether a pen was here so shortly before."""
+        """Return whether a pen was here so shortly before."""
         return self._was_just(self.pen_seen_ns, time_ns, within_ns)
 
     def _was_just(self, pen_ns: int | None, time_ns: int, within_ns: int) -> bool:
-        """Whether the pen did something so shortly before, by its event's time.
+        """Return whether the pen did something so shortly before, by its event's time.
 
         Where a pen's times lie ahead, all that others do seems to follow at once; not later than a
         picture takes after the pen's last event was handed over.

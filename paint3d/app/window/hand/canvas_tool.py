@@ -58,7 +58,7 @@ class CanvasTool(QtCore.QObject):
 
     @property
     def is_on(self) -> bool:
-        """Whether drags are this tool's."""
+        """True if drags are this tool's."""
         return self._canvas.tool == self._take
 
     def turn_on(self, message: str) -> None:
@@ -106,7 +106,7 @@ class CanvasTool(QtCore.QObject):
         """Do what one of `keys` asks for."""
 
     def takes(self, at: QtCore.QPointF) -> bool:
-        """Whether a drag that begins there is the tool's, not the view's."""
+        """Return whether a drag that begins there is the tool's, not the view's."""
         return True
 
     def paint(self, painter: QtGui.QPainter) -> None:

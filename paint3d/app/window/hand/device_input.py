@@ -82,7 +82,7 @@ class Calibrating:
 
     @property
     def is_on(self) -> bool:
-        """Whether corners are still to be touched."""
+        """True if corners are still to be touched."""
         return self._touches is not None
 
     def begin(self, width: float, depth: float, key: str | None) -> bool:
@@ -269,7 +269,7 @@ class DeviceInput:
 
     @property
     def in_stroke(self) -> bool:
-        """Whether a stylus paints now."""
+        """True if a stylus paints now."""
         return self._cutter.is_down
 
     def open(self) -> None:
@@ -479,7 +479,7 @@ class DeviceInput:
         return parts
 
     def _is_touching(self, sample: DeviceSample) -> bool:
-        """Whether the brush touches: by its force, or by where it is.
+        """Return whether the brush touches: by its force, or by where it is.
 
         While the painting has no time to say where the surface is, it goes on as it did.
         """

@@ -189,7 +189,7 @@ class _Everywhere(QtCore.QObject):
             program.installEventFilter(self)
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Whether nothing else hears of it."""
+        """Return whether nothing else hears of it."""
         return self._look(event)
 
 

@@ -204,7 +204,7 @@ class Steering(QtCore.QObject):
         return found
 
     def _is_beside(self, x: float, y: float) -> bool:
-        """Whether the object is neither here nor close by."""
+        """Return whether the object is neither here nor close by."""
         places = np.array([x, y]) + _BESIDE * np.array(_AROUND)
         return not self._hand.meets(places).any()
 

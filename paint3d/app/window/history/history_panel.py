@@ -328,7 +328,7 @@ class HistoryPanel(QtWidgets.QWidget):
 
     @property
     def is_playing(self) -> bool:
-        """Whether strokes are shown one after the other."""
+        """True if strokes are shown one after the other."""
         return self._is_playing
 
     def _play(self) -> None:

@@ -131,7 +131,7 @@ class ColourDialog(QtWidgets.QDialog):
 
     @property
     def is_busy(self) -> bool:
-        """Whether the mixture that is shown is not yet that of the colour."""
+        """True if the mixture that is shown is not yet that of the colour."""
         return self._next is not None or self._coming is not None
 
     def ask(self, colour: QtGui.QColor) -> None:

@@ -69,7 +69,7 @@ class FilmOptions(NamedTuple):
 
     @property
     def is_too_long(self) -> bool:
-        """Whether its pictures take more memory than it may."""
+        """True if its pictures take more memory than it may."""
         width, height = self.size or (0, 0)
         return width * height * self.n_pictures > MOST_PIXELS
 

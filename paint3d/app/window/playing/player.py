@@ -157,18 +157,18 @@ class _StrokeReplay:
 
     @property
     def is_refused(self) -> bool:
-        """Whether its stroke could not begin."""
+        """True if its stroke could not begin."""
         began = self.began
         return began.done() and (began.cancelled() or began.exception() is not None)
 
     @property
     def is_over(self) -> bool:
-        """Whether all of it is painted."""
+        """True if all of it is painted."""
         return self.ended is not None and self.ended.done()
 
     @property
     def is_handed_on(self) -> bool:
-        """Whether nothing of it is still to be asked for."""
+        """True if nothing of it is still to be asked for."""
         return self.ended is not None
 
     def hand_on(self, paint_thread: PaintThread, seconds: float) -> None:
@@ -236,12 +236,12 @@ class _Score:
 
     @property
     def is_over(self) -> bool:
-        """Whether all of it is painted."""
+        """True if all of it is painted."""
         return self.last is not None and self.last.done()
 
     @property
     def is_handed_on(self) -> bool:
-        """Whether nothing of it is still to be asked for."""
+        """True if nothing of it is still to be asked for."""
         return self.last is not None
 
     def hand_on(self, paint_thread: PaintThread, seconds: float) -> None:
@@ -326,7 +326,7 @@ class Player(QtCore.QObject):
 
     @property
     def is_playing(self) -> bool:
-        """Whether there is something still to be painted."""
+        """True if there is something still to be painted."""
         return self._replay is not None
 
     @property
@@ -336,7 +336,7 @@ class Player(QtCore.QObject):
 
     @property
     def is_paused(self) -> bool:
-        """Whether it stands still until it is to go on."""
+        """True if it stands still until it is to go on."""
         return self._is_paused
 
     @property
@@ -353,7 +353,7 @@ class Player(QtCore.QObject):
 
     @property
     def is_spreading(self) -> bool:
-        """Whether a text is written and its ink spreads meanwhile, as `stop_spreading` ends."""
+        """True if a text is written and its ink spreads meanwhile, as `stop_spreading` ends."""
         replay, paint_thread = self._replay, self._workspace.stage.paint_thread
         writes = isinstance(replay, _StrokeReplay) and replay.tools.writes
         return writes and paint_thread is not None and paint_thread.wet
