@@ -9,13 +9,100 @@ import numpy as np
 from numpy.typing import NDArray
 from PySide6 import QtCore, QtGui, QtWidgets
 
-from paint3d.app.model.layer_steps import group_step, layer_step
 from paint3d.app.window.theme import Theme, make_icon
 from paint3d.app.window.wording import say, say_group, say_layer
+from paint3d.core.arrays import AnyArray
 from paint3d.errors import Message
 from paint3d.surface.layer_stack import BLENDS, Group, Layer, group_span
+from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["PICTURE", "LayerPanel"]
+__all__ = ["PICTURE", "LayerPanel", "layer_pictures"]
+
+# ---- Steps ---------------------------------------------------------------------------------------
+# A layer or a group moved one step up or down, into groups and out of them.
+
+
+def layer_step(layers: Sequence[Layer], index: int, by: int) -> tuple[int, int] | None:
+    """Arguments of `Document.move_layer` for a layer's step by 1 or -1: to, and within.
+
+    Before a group it goes into it, and at the end of its own it goes out of it, each by a step
+    of its own. None where there is no way to go.
+    """
+    own, beside = layers[index].group, index + by
+    if not 0 <= beside < len(layers):
+        return None if own is None else (index, -1)
+    other = layers[beside].group
+    if own is not None:
+        return (beside, index) if other == own else (index, -1)
+    return (beside, -1) if other is None else (index, beside)
+
+
+def group_step(layers: Sequence[Layer], index: int, by: int) -> int | None:
+    """Index of a group's lowest layer after a step by 1 or -1: past a layer or a group."""
+    first, last = group_span(layers, index)
+    beside = last + 1 if by > 0 else first - 1
+    if not 0 <= beside < len(layers):
+        return None
+    low, high = group_span(layers, beside)
+    return first + by * (high - low + 1)
+
+
+# ---- Pictures ------------------------------------------------------------------------------------
+# The paint of each layer over the bare object, from the front or above.
+
+
+_FLAT = 0.05  # thickness over length of what is seen from above
+_MARGIN = 0.04  # of the picture, around the object
+
+
+def layer_pictures(surface: PaintedSurface, size: int) -> list[NDArray[np.uint8]]:
+    """Draw what is on each layer.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+    size : int
+        Pixels along a side.
+
+    Returns
+    -------
+    list of (size, size, 4) uint8
+        sRGB and how dense, the first row at the top; of the lowest layer first.
+    """
+    stack, glaze = surface.use_layers(), surface.glaze
+    pictures = [np.zeros((size, size, 4), np.uint8) for _ in range(len(stack))]
+    if glaze is None:
+        return pictures
+    vertices = surface.paint_mesh.vertices
+    base = vertices[: surface.paint_mesh.n_base_vertices]
+    low, high = base.min(axis=0), base.max(axis=0)
+    extent = (high - low).astype(np.float64)
+    down = 1 if extent[2] < _FLAT * extent.max() else 2  # which axis goes up in the picture
+    scale = (1.0 - 2.0 * _MARGIN) * size / max(extent[0], extent[down], 1e-9)
+    for k, picture in enumerate(pictures):
+        ids, codes = stack.colours_alone(glaze, k)
+        if len(ids):
+            off = vertices[ids].astype(np.float64) - 0.5 * (low + high)
+            column = np.clip(0.5 * size + scale * off[:, 0], 0, size - 1).astype(np.int64)
+            row = np.clip(0.5 * size - scale * off[:, down], 0, size - 1).astype(np.int64)
+            _fill_pixels(picture, row * size + column, codes)
+    return pictures
+
+
+def _fill_pixels(picture: NDArray[np.uint8], at: AnyArray, codes: AnyArray) -> None:
+    """Give pixels (N,) the mean of the colours (N, 3) that fall on each."""
+    size = picture.shape[0] * picture.shape[1]
+    count = np.bincount(at, minlength=size)
+    painted = count > 0
+    flat = picture.reshape(size, 4)
+    for channel in range(3):
+        total = np.bincount(at, codes[:, channel].astype(np.float64), minlength=size)
+        flat[painted, channel] = np.rint(total[painted] / count[painted])
+    flat[painted, 3] = 255
+
+
+# ---- The panel -----------------------------------------------------------------------------------
+
 
 PICTURE = 28
 """Pixels along a side of a layer's picture."""

@@ -11,14 +11,13 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.model.input.pressure_curve import PressureCurve
-from paint3d.app.model.layer_pictures import layer_pictures
 from paint3d.app.window.brush.brush_panel import BrushPanel
 from paint3d.app.window.copybook.copybook_panel import CopybookPanel
 from paint3d.app.window.hand.device_panel import DevicePanel
 from paint3d.app.window.hand.hand_panel import HandPanel
 from paint3d.app.window.history.history_panel import HistoryPanel
 from paint3d.app.window.ink.ink_panel import InkPanel
-from paint3d.app.window.layer_panel import PICTURE, LayerPanel
+from paint3d.app.window.layer_panel import PICTURE, LayerPanel, layer_pictures
 from paint3d.app.window.object.surface_panel import SurfacePanel
 from paint3d.app.window.reference.reference_panel import ReferencePanel
 from paint3d.app.window.theme import Theme

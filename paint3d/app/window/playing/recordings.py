@@ -8,7 +8,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from paint3d.app.model.frame import Snapshot
-from paint3d.app.model.pad_in_view import lay_in_view
+from paint3d.app.model.input.navigation import ray_at
 from paint3d.app.model.score.playing import begun, painted, score_of_strokes
 from paint3d.app.model.score.stepping import Cue, cues_of
 from paint3d.app.window.files.file_dialogs import ask_file
@@ -23,6 +23,10 @@ from paint3d.calligraphy.dips import apply_dip_option
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Message
 from paint3d.files.progress import part_of
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import frame_at, make_chart
+from paint3d.mesh.placement import place, upwards
+from paint3d.painter.flat_input import LaidPad, dipped, size_of
 from paint3d.painter.recorded_tools import (
     recorded_amount,
     recorded_brush,
@@ -32,8 +36,9 @@ from paint3d.painter.recorded_tools import (
 )
 from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import Score, is_score, load_score, save_score
+from paint3d.view.camera import Camera, picture_axes
 
-__all__ = ["FORMATS", "Recordings", "samples_of", "tool_changes_of", "tools_in_hand"]
+__all__ = ["FORMATS", "Recordings", "lay_in_view", "samples_of", "tool_changes_of", "tools_in_hand"]
 
 # What a file may be, by its ending, and how the dialog says it:
 FORMATS = {
@@ -46,6 +51,8 @@ FORMATS = {
 _SAMPLE, _SAMPLE_DIPS = "data/demo.jsonl.gz", "auto"
 _SAMPLE_OBJECT, _SAMPLE_MM, _SAMPLE_MATERIAL = "bowl", 0.25, "porcelain"
 _READ = 0.6  # of the time that a recording takes to be made ready
+_MARGIN_MM = 1.0
+_ALONG = 0.999  # cosine to the normal: what is up in the picture says nothing
 _AT_ONCE = 1000  # samples between two looks at whether it is still wanted
 
 
@@ -208,6 +215,45 @@ class Recordings:
             return False
         self._player.play_score(cues, speed)
         return True
+
+
+def lay_in_view(recording: Recording, surface: ClosestPoints, camera: Camera) -> Recording:
+    """Carry a pad's recording to the object, as large as it was drawn.
+
+    Its middle comes to lie where the middle of the picture is; where that is beside the object, at
+    the object's front. A recording that knows no dips gets one before every stroke.
+
+    Parameters
+    ----------
+    recording : Recording
+        In pad space.
+    surface : ClosestPoints
+        Of the object.
+    camera : Camera
+        From where it is seen.
+
+    Returns
+    -------
+    Recording
+        In the object's frame.
+
+    Raises
+    ------
+    MeshError, InputError, RecordingError
+        If it does not fit there.
+    """
+    middle, half, scale = size_of(recording)
+    ray = ray_at(camera, 0.5, 0.5, (1.0, 1.0))
+    hits = surface.cast(ray.origin[None], ray.direction[None])
+    if hits.hit[0]:
+        normal = surface.find(hits.points[:1]).normals[0]
+        up = picture_axes(camera)[1]
+        up = upwards(normal) if abs(float(up @ normal)) > _ALONG else up
+        frame = frame_at(surface, hits.points[0], up)
+    else:
+        frame = place(surface, (0.5, 0.5))
+    chart = make_chart(surface, frame, *(half + _MARGIN_MM))
+    return LaidPad(dipped(recording), chart, middle, scale).whole()
 
 
 def _tools_of(recording: Recording) -> list[Asked]:
