@@ -66,7 +66,7 @@ _MISREAD = Message("This pen reports pressures outside 0 to 1; they are clipped"
 
 
 class StudioWindow(QtWidgets.QMainWindow):
-    """A painting in a window: makes the parts, and lets them know of each other.
+    """The window: makes the parts, and connects them.
 
     Parameters
     ----------
@@ -124,15 +124,16 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._show_open(False)
         self._take_settings()
         self._next_draw = 0.0
-        self._letting_go = collect_later(self)
+        self._collector = collect_later(self)
         self._timer = QtCore.QTimer(self)
         self._timer.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
+        # a lambda, as tests and scripts may put another `tick` there
         self._guarded = ReportOnce(lambda: self.tick(), self._tell_fault)
         self._timer.timeout.connect(self._guarded)
         self._connect()
         self._timer.start(_TICK_MS)
 
-    # -- making it --------------------------------------------------------------------------
+    # -- parts ------------------------------------------------------------------------------
 
     def _make_jobs(self) -> None:
         workspace, history = self.workspace, self.panels.history
@@ -190,7 +191,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         restore_window(self, settings.window)
 
     def _connect(self) -> None:
-        """Let the parts hear of each other."""
+        """Connect the parts' signals."""
         workspace, panels = self.workspace, self.panels
         workspace.opened.connect(self._show_document)
         workspace.saved.connect(self._show_title)
@@ -228,7 +229,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         panels.hand.mask_degrees.connect(self.painting.set_mask_degrees)
 
     def _take_material(self, material: str | Material) -> None:
-        """Let the object be of another material; where it is not to be, show what it is."""
+        """Begin anew in another material; if that is declined, show the current one."""
         if not self.standing.take_material(material):
             self.panels.surface.show_surface(self.workspace.painting)
 
@@ -236,14 +237,14 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     @property
     def document(self) -> Document:
-        """What is being painted, for scripts and tests that look on: the window reads `painting`.
+        """The document, for scripts and tests that look on: the window reads `painting`.
 
-        The step that is going on has ended, if it does so within a second.
+        The current step has ended, if it does so within a second.
         """
         return self.workspace.paint_thread.look(1.0)
 
     def _show_document(self, opened: OpenResult) -> None:
-        """Paint on this from now on, and let go of what was painted on before."""
+        """Close the painting before, and show another one."""
         document, settings = opened.document, self.workspace.settings
         self.player.stop()
         self.status.forget_good()
@@ -251,7 +252,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.workspace.remember_in_hand()
         self.stage.close_document()
         self._show_open(False)
-        recovery = self._recovery_folder(document)
+        recovery: RecoveryFolder | None = None
+        try:
+            recovery = RecoveryFolder(document)
+        except Paint3DError as error:  # painting goes on without
+            self.workspace.tell(say_error(error), state="bad", stays=True)
         self.stage.open(opened, wet=wet, recovery=recovery, autosave_interval_s=settings.autosave_s)
         self._show_open(True)
         self.commands.check("wet", wet)
@@ -259,32 +264,20 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.views.recall_last(document)
         self.both_hands.open()
         self.panels.open()
-        self._draw_first()
-        self._show_title()
-        self._letting_go.start()
-
-    def _draw_first(self) -> None:
-        """Have the picture there with the title; that of millions of triangles takes a while."""
         pixels = self.stage.draw()
-        if pixels is not None:
+        if pixels is not None:  # with the title: millions of triangles take a while
             self.canvas.show_pixels(pixels)
             self.canvas.repaint()
+        self._show_title()
+        self._collector.start()
 
     def _show_open(self, is_open: bool) -> None:
-        """Let what needs a painting be asked for, or not."""
+        """Enable or disable commands and panels that need a painting."""
         self.commands.set_open(is_open)
         self.panels.set_open(is_open)
 
-    def _recovery_folder(self, document: Document) -> RecoveryFolder | None:
-        """Where what is painted is kept; without one, painting goes on and it is said."""
-        try:
-            return RecoveryFolder(document)
-        except Paint3DError as error:
-            self.workspace.tell(say_error(error), state="bad", stays=True)
-            return None
-
     def _show_title(self) -> None:
-        """Name the painting, and say whether something is unsaved."""
+        """Show the painting's name, and whether something is unsaved."""
         painting = self.workspace.painting
         name = (
             painting.path.name if painting.path else described(painting.source, painting.material)
@@ -335,12 +328,12 @@ class StudioWindow(QtWidgets.QMainWindow):
             self.hud.refresh()
 
     def _tick_in(self, seconds: float) -> None:
-        """Let the next tick come then, and later ones as always."""
-        if self._timer.isActive():  # it may be held
+        """Delay the next tick by so long; later ones come as always."""
+        if self._timer.isActive():  # `_hold` may have stopped it
             self._timer.start(max(1, math.ceil(1e3 * seconds)))
 
     def _wake(self) -> None:
-        """Let ticks come often again at once: a hand has moved over the picture."""
+        """Tick often again at once: a hand has moved over the picture."""
         if self._timer.isActive() and self._timer.interval() > _TICK_MS:
             self._timer.start(_TICK_MS)
 
@@ -349,10 +342,10 @@ class StudioWindow(QtWidgets.QMainWindow):
             self.workspace.tell(say("Recovery data is being saved again"), state="good")
             return
         refused, keeping = event.kind == "error", event.doing == "keeping"
-        told = say_error((event.error if refused else None) or event.message)
+        message = say_error((event.error if refused else None) or event.message)
         if keeping:
-            told = say("Recovery data cannot be saved: {message}", message=told)
-        self.workspace.tell(told, state="bad", stays=not refused or keeping)
+            message = say("Recovery data cannot be saved: {message}", message=message)
+        self.workspace.tell(message, state="bad", stays=not refused or keeping)
 
     def _show_state(self, frame: PaintingFrame) -> None:
         workspace = self.workspace
@@ -366,7 +359,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.status.show(frame, picture_s, plays=self.player.is_playing)
 
     def _allow_undo(self, fraction: float) -> None:
-        """Let a replay that goes on be taken back."""
+        """Enable undo for a replay."""
         if fraction >= 0.0:
             self.workspace.actions["undo"].setEnabled(True)
 
@@ -387,7 +380,7 @@ class StudioWindow(QtWidgets.QMainWindow):
     # -- the window's own events ------------------------------------------------------------
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
-        """Make room for all tools, and for the inks."""
+        """Fit the tools and the inks into the new height."""
         super().resizeEvent(event)
         self.commands.fit(event.size().height())
         self.panels.inks.fit(event.size().height())
@@ -399,7 +392,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         return super().event(event)
 
     def closeEvent(self, event: QtGui.QCloseEvent) -> None:
-        """Ask about what is unsaved, then let go of everything."""
+        """Ask about unsaved work, then close everything."""
         if not (self.saving.may_leave() and self.workspace.may_let_go()):
             event.ignore()
             return

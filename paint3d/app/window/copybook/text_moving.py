@@ -1,4 +1,4 @@
-"""Laid texts taken hold of: moved, turned, scaled and spaced by mouse, pen, finger and keys."""
+"""Moving, turning, scaling and spacing laid texts by mouse, pen, finger and keys."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ _ARROWS = {
 
 @dataclass(frozen=True, eq=False)
 class HeldText:
-    """What is taken hold of.
+    """The text that drags and keys act on.
 
     Attributes
     ----------
     laid : LaidText
-        As it lies there now.
+        As it lies on the object.
     book : Copybook
     shape : (int, int)
         Characters across and down; (1, 1) where that is not known.
@@ -59,7 +59,7 @@ class TextMover(CanvasTool):
     held : callable
         Returns the `HeldText`, or None.
     choose : callable
-        Takes hold of the text at a place (3,) of the object; False where there is none.
+        Chooses the text at a point (3,) of the object; False where there is none.
 
     Signals
     -------
@@ -82,13 +82,13 @@ class TextMover(CanvasTool):
         self._held, self._choose = held, choose
         self._grip = ""  # that is dragged
         self._from = QtCore.QPointF()
-        self._place: AnyArray | None = None  # where the drag began on the object
+        self._start: AnyArray | None = None  # of the object, where the drag began
         self._changes: dict[str, Any] = {}
         self._timer = QtCore.QTimer(self, interval=_PATIENCE_MS, singleShot=True)
         self._timer.timeout.connect(self._commit)
 
     def begin(self) -> None:
-        """Let drags and keys move texts, until `end`."""
+        """Make drags and keys move texts, until `end`."""
         self.turn_on(
             say(
                 "Drag a text to move it, its corner to scale it, the ring to turn it; arrows move, "
@@ -113,7 +113,7 @@ class TextMover(CanvasTool):
             self._nudge(*_ARROWS[_KEY(event.key())], event.modifiers())
 
     def _nudge(self, right: int, up: int, keys: QtCore.Qt.KeyboardModifier) -> None:
-        """Change the text by one key; it is laid anew when no further one comes."""
+        """Change the text by one key; it is laid out when no further one comes."""
         held = self._held()
         if held is None:
             return
@@ -125,29 +125,29 @@ class TextMover(CanvasTool):
             if right and laid.around:
                 return
             if right:
-                changes["turn"] = _turned(laid.turn - right * _DEGREES)
+                changes["turn"] = _wrap_degrees(laid.turn - right * _DEGREES)
             else:
                 changes["em_mm"] = laid.em_mm * _GROWS**up
         elif keys & modifier.AltModifier:
-            name = _spaced(laid, bool(right))
+            name = _spacing_name(laid, bool(right))
             changes[name] = max(0.0, getattr(laid, name) + (right + up) * _APART)
         else:
             step = _FAR_MM if keys & modifier.ShiftModifier else _STEP_MM
-            way = step * (right * frame.x_axis + up * frame.y_axis)
+            shift = step * (right * frame.x_axis + up * frame.y_axis)
             ground = self._workspace.hand.surface
-            found = ground.find((np.array(changes["point"]) + way)[None]).points[0]
-            changes["point"] = tuple(found.tolist())
+            point = ground.find((np.array(changes["point"]) + shift)[None]).points[0]
+            changes["point"] = tuple(point.tolist())
         self._try(held, self._changes | changes)
         self._timer.start()
 
     def _point(self, held: HeldText) -> tuple[float, float, float]:
-        """Where the text's middle is, with what was changed since."""
-        found = self._changes.get("point", tuple(held.book.block.frame.origin.tolist()))
-        x, y, z = found
+        """Return the text's middle, with the changes since it was laid."""
+        middle = self._changes.get("point", tuple(held.book.block.frame.origin.tolist()))
+        x, y, z = middle
         return float(x), float(y), float(z)
 
     def _try(self, held: HeldText, changes: dict[str, Any]) -> None:
-        """Show what changes would do; what no text can be is passed over."""
+        """Show the effect of changes; ignore those that no text can have."""
         try:
             held.laid.moved(**changes)
         except Paint3DError:
@@ -165,26 +165,26 @@ class TextMover(CanvasTool):
     # -- the hand ---------------------------------------------------------------------------
 
     def takes(self, at: QtCore.QPointF) -> bool:
-        """Whether a grip or the object is there; beside them a drag turns the view as always."""
+        """Return whether a grip or the object is there; elsewhere a drag turns the view."""
         return bool(self._grip_at(at)) or self._on_object(at.x(), at.y()) is not None
 
     def _on_object(self, x: float, y: float) -> AnyArray | None:
         return self._workspace.hand.place_at(x, y)
 
     def let_go(self, at: QtCore.QPointF) -> None:
-        """Have what was dragged laid there."""
+        """End the drag, and lay the text there."""
         self.drag(at)
         self._grip = ""
         self._canvas.setCursor(self.cursor)
         self._commit()
 
     def take_hold(self, at: QtCore.QPointF, *, adds: bool) -> None:
-        """Take hold of a grip, or of the text there."""
+        """Begin to drag a grip, or the text there."""
         self._commit()
         self._grip = self._grip_at(at)
-        self._place = self._on_object(at.x(), at.y())
+        self._start = self._on_object(at.x(), at.y())
         if not self._grip:
-            if self._place is None or not self._choose(self._place):
+            if self._start is None or not self._choose(self._start):
                 self._workspace.tell(say("There is no text there"), state="bad")
                 return
             self._grip = "move"
@@ -192,19 +192,19 @@ class TextMover(CanvasTool):
         self._canvas.setCursor(QtCore.Qt.CursorShape.ClosedHandCursor)
 
     def drag(self, at: QtCore.QPointF) -> None:
-        """Show what the drag so far would do."""
+        """Show the effect of the drag so far."""
         held = self._held()
         if held is None or not self._grip or at == self._from:
             return
         frame = held.book.block.frame
         changes: dict[str, Any] = {"point": tuple(frame.origin.tolist())}
         if self._grip == "move":
-            place = self._on_object(at.x(), at.y())
-            if place is None or self._place is None:
+            point = self._on_object(at.x(), at.y())
+            if point is None or self._start is None:
                 return
-            target = frame.origin + place - self._place
-            found = self._workspace.hand.surface.find(target[None]).points[0]
-            changes["point"] = tuple(found.tolist())
+            target = frame.origin + point - self._start
+            target_point = self._workspace.hand.surface.find(target[None]).points[0]
+            changes["point"] = tuple(target_point.tolist())
         else:
             ahead = self._in_plane(frame, at)
             before = self._in_plane(frame, self._from)
@@ -214,23 +214,23 @@ class TextMover(CanvasTool):
         self._try(held, changes)
 
     def _grip_changes(self, held: HeldText, before: AnyArray, ahead: AnyArray) -> dict[str, Any]:
-        """What dragging a grip from one place of the text's plane to another changes."""
+        """Return the changes by dragging a grip between two points of the text's plane."""
         laid, (across, down) = held.laid, held.shape
         if self._grip == "scale":
             least = max(float(np.linalg.norm(before)), 1e-6)
             return {"em_mm": laid.em_mm * float(np.linalg.norm(ahead)) / least}
         if self._grip == "turn":
             turn = math.atan2(ahead[1], ahead[0]) - math.atan2(before[1], before[0])
-            return {"turn": _turned(laid.turn + math.degrees(turn))}
+            return {"turn": _wrap_degrees(laid.turn + math.degrees(turn))}
         level = self._grip == "across"
         n = across if level else down
-        way = before[0] - ahead[0] if level else before[1] - ahead[1]
-        name = _spaced(laid, level)
-        more = 2.0 * float(way) / (laid.em_mm * (n - 1))
+        inward = before[0] - ahead[0] if level else before[1] - ahead[1]
+        name = _spacing_name(laid, level)
+        more = 2.0 * float(inward) / (laid.em_mm * (n - 1))
         return {name: max(0.0, getattr(laid, name) + more)}
 
     def _in_plane(self, frame: SurfaceFrame, at: QtCore.QPointF) -> AnyArray | None:
-        """Where one points in the tangent plane of a frame, (2,) mm from its origin."""
+        """Return the point at the pointer in a frame's tangent plane, (2,) mm from its origin."""
         ray = self._workspace.hand.ray_at(at.x(), at.y())
         falls = float(ray.direction @ frame.normal)
         if abs(falls) < 1e-6:
@@ -240,14 +240,14 @@ class TextMover(CanvasTool):
         return np.array([off @ frame.x_axis, off @ frame.y_axis])
 
     def drop(self) -> None:
-        """Hold nothing."""
+        """Drop the grip and the changes."""
         self._grip, self._changes = "", {}
         self._show(None)
 
     # -- the picture ------------------------------------------------------------------------
 
     def grips(self) -> dict[str, QtCore.QPointF]:
-        """Where each grip is in the picture, pixels; none where no text is held."""
+        """Return each grip's position in the picture, pixels; none without a chosen text."""
         held = self._held()
         if held is None:
             return {}
@@ -259,15 +259,15 @@ class TextMover(CanvasTool):
             farther: AnyArray = at + away * (pixels / max(float(np.linalg.norm(away)), 1e-6))
             return farther
 
-        found = {"scale": beyond(lower_right, _GRIP)}
+        positions = {"scale": beyond(lower_right, _GRIP)}
         across, down = held.shape
         if across > 1:
-            found["across"] = beyond(0.5 * (upper_left + lower_left), _REACH)
+            positions["across"] = beyond(0.5 * (upper_left + lower_left), _REACH)
         if down > 1:
-            found["down"] = beyond(0.5 * (lower_left + lower_right), _REACH)
+            positions["down"] = beyond(0.5 * (lower_left + lower_right), _REACH)
         if not held.laid.around:
-            found["turn"] = beyond(0.5 * (upper_left + upper_right), _AWAY)
-        return {name: QtCore.QPointF(*at.tolist()) for name, at in found.items()}
+            positions["turn"] = beyond(0.5 * (upper_left + upper_right), _AWAY)
+        return {name: QtCore.QPointF(*at.tolist()) for name, at in positions.items()}
 
     def _corners(self, held: HeldText) -> list[AnyArray]:
         corners = self._moved(held, held.book.block.corners)
@@ -282,7 +282,7 @@ class TextMover(CanvasTool):
         return best if best and near[best] <= _REACH else ""
 
     def _moved(self, held: HeldText, points: AnyArray) -> AnyArray:
-        """Points (N, 3) of the text as they will lie, as if it were a stiff sheet."""
+        """Return points (N, 3) of the text as they will lie, as if it were a stiff sheet."""
         changes, frame = self._changes, held.book.block.frame
         if not changes:
             return points
@@ -294,7 +294,7 @@ class TextMover(CanvasTool):
         )
         flat[:, :2] *= now.em_mm / laid.em_mm
         for axis, level in ((0, True), (1, False)):
-            name = _spaced(laid, level)
+            name = _spacing_name(laid, level)
             n = held.shape[axis]
             more = (n - 1) * (getattr(now, name) - getattr(laid, name)) * now.em_mm
             size = float(np.ptp(flat[:, axis]))
@@ -309,7 +309,7 @@ class TextMover(CanvasTool):
         return moved
 
     def _show(self, held: HeldText | None) -> None:
-        """Draw the text where it would lie; None to draw it no longer."""
+        """Draw the text where it would lie; None: draw it no longer."""
         stage = self._workspace.stage
         if stage.paint_thread is None:
             return
@@ -338,11 +338,11 @@ class TextMover(CanvasTool):
             draw_grip(painter, name, at, _GRIP)
 
 
-def _spaced(laid: LaidText, level: bool) -> str:
-    """What stands for the distance of characters side by side, or one above the other."""
+def _spacing_name(laid: LaidText, level: bool) -> str:
+    """Return the name of the distance of characters side by side, or one above the other."""
     return "gap" if level == (laid.order == "columns") else "between"
 
 
-def _turned(degrees: float) -> float:
-    """An angle from -180 to 180 degrees."""
+def _wrap_degrees(degrees: float) -> float:
+    """Return an angle within -180 to 180 degrees."""
     return (degrees + 180.0) % 360.0 - 180.0

@@ -1,4 +1,4 @@
-"""Exporting the painting in the formats of other programs: what a format knows can be chosen."""
+"""Exporting the painting in other programs' formats, each with the options that it has."""
 
 from __future__ import annotations
 
@@ -60,13 +60,13 @@ _FILAMENTS = 6
 
 
 def stored_options(kept: Mapping[str, object], suffix: str) -> Mapping[str, object]:
-    """What was chosen last for a format, of all that was kept."""
+    """Return the options that were chosen last for a format."""
     own = kept.get(suffix)
     return own if isinstance(own, Mapping) else {}
 
 
 class ExportDialog(FormDialog):
-    """Ask how a format is to be written.
+    """Asks for a format's options.
 
     Parameters
     ----------
@@ -115,7 +115,11 @@ class ExportDialog(FormDialog):
         flat = FLAT if self._sheet is not None and FLAT in views else None
         view = self.add_box(say("View"), views, self._kept.get("view", flat))
         self.choices["view"] = view
-        self.size_boxes = SizeBoxes(self._stored_size(self._usual_size()), self._screen)
+        size = self._usual_size()
+        match self._kept.get("size"):
+            case [int(width), int(height)]:
+                size = width, height
+        self.size_boxes = SizeBoxes(size, self._screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
         if self.suffix == ".jpg":
             quality = stored_number(self._kept, "quality", _QUALITY)
@@ -126,14 +130,8 @@ class ExportDialog(FormDialog):
             self._add_stored_check("transparent", say("Without ground and background"))
         view.currentIndexChanged.connect(self._view_chosen)
 
-    def _stored_size(self, default: tuple[int, int]) -> tuple[int, int]:
-        match self._kept.get("size"):
-            case [int(width), int(height)]:
-                return width, height
-        return default
-
     def _view_chosen(self) -> None:
-        """Begin with the size that is usual for a view."""
+        """Show the size that is usual for the chosen view."""
         boxes = self._sizes()
         boxes.kept.setChecked(self.is_of_screen)
         width, height = self._usual_size()
@@ -142,7 +140,7 @@ class ExportDialog(FormDialog):
         self._follow()
 
     def _usual_size(self) -> tuple[int, int]:
-        """The size that is usual for the view, pixels."""
+        """Return the size that is usual for the view, pixels."""
         if self._sheet is not None and self.choices["view"].currentData() == FLAT:
             width, height = flat_size(*self._sheet)
             return max(LEAST_PIXELS, width), max(LEAST_PIXELS, height)
@@ -156,10 +154,13 @@ class ExportDialog(FormDialog):
             axes = {None: own} | {axis: axis.upper() for axis in UP_AXES}
             self.choices["up_axis"] = self.add_box(say("Up"), axes, self._kept.get("up_axis"))
         if "texture" in self._takes:
-            ways: dict[bool | int, str] = {False: say("At the vertices"), True: say("As a texture")}
-            ways |= {n: say("As a texture of {n} pixels", n=n) for n in _TEXTURES}
+            choices: dict[bool | int, str] = {
+                False: say("At the vertices"),
+                True: say("As a texture"),
+            }
+            choices |= {n: say("As a texture of {n} pixels", n=n) for n in _TEXTURES}
             kept = self._kept.get("texture", False)
-            self.choices["texture"] = self.add_box(say("Colours"), ways, kept)
+            self.choices["texture"] = self.add_box(say("Colours"), choices, kept)
             self.choices["texture"].currentIndexChanged.connect(self._follow)
         tolerance = stored_number(self._kept, "tolerance", 1.0)
         self.numbers["tolerance"] = self.add_number(
@@ -192,7 +193,7 @@ class ExportDialog(FormDialog):
         on.toggled.connect(self._follow)
 
     def _follow(self, _: object = None) -> None:
-        """Let only that be chosen which has an effect beside the rest."""
+        """Enable only options that have an effect together with the others."""
         few = self._is_on("few")
         if "few" in self.checks:
             possible = not self.is_of_screen and not self._has_texture()
@@ -218,7 +219,7 @@ class ExportDialog(FormDialog):
         box = self.choices.get("texture")
         return box is not None and box.currentData() is not False
 
-    # -- what was chosen --------------------------------------------------------------------
+    # -- result -----------------------------------------------------------------------------
 
     @property
     def is_of_screen(self) -> bool:
@@ -227,13 +228,13 @@ class ExportDialog(FormDialog):
 
     @property
     def is_taken_otherwise(self) -> bool:
-        """True if it is a picture of another view, light or ground than the studio's own."""
+        """True for a picture with another view, light or ground than the studio's own."""
         if "light" not in self.choices or self._is_on("few"):
             return False
         return self.shot() != Shot(size=self.picture_size())
 
     def shot(self) -> Shot:
-        """How the object is taken, where that is not as on the screen."""
+        """Return the chosen view and light, where they are not the screen's."""
         view = self.choices["view"].currentData()
         light = self.choices["light"].currentData() if "light" in self.choices else "studio"
         return Shot(
@@ -244,7 +245,7 @@ class ExportDialog(FormDialog):
         )
 
     def picture_size(self) -> tuple[int, int]:
-        """Of a picture, pixels."""
+        """Return a picture's size, pixels."""
         return self._sizes().size_in_pixels()
 
     def _sizes(self) -> SizeBoxes:
@@ -252,11 +253,11 @@ class ExportDialog(FormDialog):
         return self.size_boxes
 
     def quality(self) -> int:
-        """Of a JPEG, 1 to 100."""
+        """Return a JPEG's quality, 1 to 100."""
         return round(self.numbers["quality"].value()) if "quality" in self.numbers else _QUALITY
 
     def options(self) -> dict[str, object]:
-        """What `ExportOptions` takes."""
+        """Return the arguments of `ExportOptions`."""
         options = self._plain_options()
         if "gamut" in self.choices and not self.is_of_screen:
             options["viewing"] = Viewing(gamut=self.choices["gamut"].currentData())
@@ -279,23 +280,23 @@ class ExportDialog(FormDialog):
         return options
 
     def chosen(self) -> dict[str, object]:
-        """Everything, as JSON can hold it, to begin with the next time."""
+        """Return all choices, as JSON can hold them, to begin with the next time."""
         gamut = {n: box.currentData() for n, box in self.choices.items() if n == "gamut"}
         if self.suffix not in _PICTURES:
             return self._plain_options() | gamut
-        kept: dict[str, object] = {
+        choices: dict[str, object] = {
             "view": self.choices["view"].currentData(), "size": list(self.picture_size()), **gamut
         }  # fmt: skip
         if "quality" in self.numbers:
-            kept["quality"] = self.quality()
+            choices["quality"] = self.quality()
         if "light" in self.choices:
-            kept["light"] = self.choices["light"].currentData()
-            kept["transparent"] = self._is_on("transparent")
-        return kept
+            choices["light"] = self.choices["light"].currentData()
+            choices["transparent"] = self._is_on("transparent")
+        return choices
 
 
-def _extent(mesh: TriangleMesh) -> tuple[float, float] | None:
-    """Width and height of a sheet with all that frames it, mm; None for an object."""
+def _sheet_size(mesh: TriangleMesh) -> tuple[float, float] | None:
+    """Return width and height of a sheet with its frame, mm; None for an object."""
     if sheet_of(mesh) is None:
         return None
     width, height, _ = np.ptp(mesh.vertices, axis=0)
@@ -305,7 +306,7 @@ def _extent(mesh: TriangleMesh) -> tuple[float, float] | None:
 # ---- The work ------------------------------------------------------------------------------------
 
 
-# What a file may be, by its ending, and how the dialog says it:
+# Kinds of files by their suffix, as the dialog names them:
 FORMAT_NAMES = {
     ".glb": Message("glTF, for the web and most programs"),
     ".ply": Message("PLY"),
@@ -323,16 +324,16 @@ _TAKEN = 0.5  # of an export's time, about, until the painting may go on
 
 
 class Exporting:
-    """Asks how the painted object is exported, and exports it."""
+    """Asks for a name, a format and its options, and exports the painting."""
 
     def __init__(self, workspace: Workspace, targets: Targets, pictures: Pictures) -> None:
         self._workspace, self._targets, self._pictures = workspace, targets, pictures
 
     def do_export(self) -> None:
-        """Ask for a name and a format, then for what can be chosen in that format; write it."""
+        """Ask for a name and a format, then for the format's options; write the file."""
         workspace = self._workspace
         kept = workspace.settings.exports
-        extent = _extent(workspace.painting.source)
+        extent = _sheet_size(workspace.painting.source)
         remembered = "format" if extent is None else "format of sheets"
         names = FORMAT_NAMES if extent is None else _PICTURES_FIRST
         path = self._targets.ask(say("Export…"), names, str(kept.get(remembered, "")))
@@ -358,7 +359,7 @@ class Exporting:
             self.export_to(path, **dialog.options())
 
     def export_to(self, path: Path, **options: Any) -> bool:
-        """Write the painting in another format; say whether that went well.
+        """Write the painting in another format; return whether that succeeded.
 
         Parameters
         ----------
@@ -382,7 +383,7 @@ class Exporting:
         return True
 
     def shot_to(self, path: Path, shot: Shot, viewing: Any = None) -> bool:
-        """Write a picture by a named view and light; say whether that went well."""
+        """Write a picture by a named view and light; return whether that succeeded."""
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 
@@ -398,7 +399,7 @@ class Exporting:
         return True
 
     def _in_paint_thread(self, path: Path) -> Callable[[JobProgress], None]:
-        """Write it while nothing is painted."""
+        """Return work that writes it in the painting thread: nothing is painted meanwhile."""
         paint_thread = self._workspace.paint_thread
 
         def work(progress: JobProgress) -> None:
@@ -409,9 +410,9 @@ class Exporting:
     def _beside(
         self, path: Path, options: Mapping[str, Any], clipped: list[int]
     ) -> Callable[[JobProgress], None]:
-        """Take what is needed from the painting, then write it while that may go on.
+        """Return work that copies what it needs of the painting, then writes beside it.
 
-        How many colours did not fit in, is added to `clipped`.
+        The number of colours outside the gamut is appended to `clipped`.
         """
         paint_thread = self._workspace.paint_thread
 

@@ -1,4 +1,4 @@
-"""Recordings of strokes: of what was painted here, and played again."""
+"""Recordings of strokes: saving those painted here, and replaying files."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from paint3d.view.camera import Camera, picture_axes
 
 __all__ = ["FORMATS", "Recordings", "lay_in_view", "samples_of", "tool_changes_of", "tools_in_hand"]
 
-# What a file may be, by its ending, and how the dialog says it:
+# Kinds of files by their suffix, as the dialog names them:
 FORMATS = {
     ".jsonl": Message("Recording, JSON Lines"),
     ".jsonl.gz": Message("Recording, JSON Lines, packed"),
@@ -52,7 +52,7 @@ _SAMPLE, _SAMPLE_DIPS = "data/demo.jsonl.gz", "auto"
 _SAMPLE_OBJECT, _SAMPLE_MM, _SAMPLE_MATERIAL = "bowl", 0.25, "porcelain"
 _READ = 0.6  # of the time that a recording takes to be made ready
 _MARGIN_MM = 1.0
-_ALONG = 0.999  # cosine to the normal: what is up in the picture says nothing
+_ALONG = 0.999  # cosine to the normal above which the picture's up direction is not used
 _AT_ONCE = 1000  # samples between two looks at whether it is still wanted
 
 
@@ -65,11 +65,11 @@ class Recordings:
     targets : Targets
     player : Player
     speed : callable
-        How many times its own speed a recording is to be played at; None: as fast as it goes.
+        Returns the speed of replays relative to their own; None: as fast as it goes.
     may_leave : callable
-        Asks whether what is open may be left; see `Saving.may_leave`.
+        Asks whether the open painting may be left; see `Saving.may_leave`.
     begin : callable
-        Begins a painting on an object, of vertices so many mm apart, of a material.
+        Begins a painting on an object, with a distance of vertices (mm) and a material.
     """
 
     def __init__(
@@ -87,7 +87,7 @@ class Recordings:
         self._recorded_from = 0
 
     def do_record(self, on: bool) -> None:
-        """Remember where the recording begins; when it ends, ask where to save it."""
+        """Begin a recording; when it ends, ask where to save it."""
         workspace = self._workspace
         strokes = len(workspace.painting.strokes)
         if on:
@@ -125,14 +125,14 @@ class Recordings:
             workspace.tell(say("Exported {name}", name=path.name), state="good")
 
     def do_replay(self) -> None:
-        """Ask for a recording, and paint it on what is here."""
+        """Ask for a recording, and paint it on the object."""
         kinds = f"{say('Recordings')} (*.jsonl *.jsonl.gz *.inkml *.csv);;{say('All files')} (*)"
         path = ask_file(self._workspace.window, say("Replay"), kinds)
         if path:
             self.replay_file(path, self._speed())
 
     def do_sample(self) -> None:
-        """Open a bowl, and have poems written on it, to play with."""
+        """Open a bowl, and write poems on it, as an example."""
         workspace = self._workspace
         if workspace.stage.paint_thread is not None and not self._may_leave():
             return
@@ -143,7 +143,7 @@ class Recordings:
     def replay_file(
         self, path: str, speed: float | None = None, *, dips: str | int | None = None
     ) -> bool:
-        """Paint a recording on what is here, as if by hand; say whether that began.
+        """Paint a recording on the object, as if by hand; return whether that began.
 
         It is painted with its own brush, ink and azimuth, as `paint3d replay` does; the hand gets
         its own back. A pad's, which knows nothing of the object, is laid on it as it is seen; see
@@ -173,7 +173,7 @@ class Recordings:
                 brush = recorded_brush(recording.header)
                 assert brush is not None, "it names the brush that it was planned for"
                 recording = apply_dip_option(recording, brush, dips, material)
-            tools = Tools(_tools_of(recording), (), *tool_changes_of(recording))
+            tools = Tools(_opening_commands(recording), (), *tool_changes_of(recording))
             return samples_of(recording, progress), tools
 
         loaded = workspace.run(title, read)
@@ -185,7 +185,7 @@ class Recordings:
         return True
 
     def _play_score(self, path: str, title: str, speed: float | None) -> bool:
-        """Begin anew on the object that is here, and paint a whole painting on it.
+        """Begin anew on the object, and paint a whole painting on it.
 
         As fast as it goes it is painted beside the window, and shown when it is done.
         """
@@ -218,10 +218,10 @@ class Recordings:
 
 
 def lay_in_view(recording: Recording, surface: ClosestPoints, camera: Camera) -> Recording:
-    """Carry a pad's recording to the object, as large as it was drawn.
+    """Lay a pad's recording on the object as it is seen, upright and as large as it was drawn.
 
-    Its middle comes to lie where the middle of the picture is; where that is beside the object, at
-    the object's front. A recording that knows no dips gets one before every stroke.
+    Its middle lies at the picture's middle, or at the object's front if that is beside the object.
+    A recording without dips gets one before every stroke.
 
     Parameters
     ----------
@@ -230,7 +230,7 @@ def lay_in_view(recording: Recording, surface: ClosestPoints, camera: Camera) ->
     surface : ClosestPoints
         Of the object.
     camera : Camera
-        From where it is seen.
+        Of the view.
 
     Returns
     -------
@@ -256,8 +256,8 @@ def lay_in_view(recording: Recording, surface: ClosestPoints, camera: Camera) ->
     return LaidPad(dipped(recording), chart, middle, scale).whole()
 
 
-def _tools_of(recording: Recording) -> list[Asked]:
-    """What a recording of version 1 is painted with, freshly dipped; what it does not say stays."""
+def _opening_commands(recording: Recording) -> list[Asked]:
+    """Return the commands that set and dip a recording's tools (version 1), as far as given."""
     brush, ink = recorded_brush(recording.header), recorded_ink(recording.header)
     tip = recorded_tip(recording.header)
     asked: list[Asked] = [("set_azimuth", (recording.header["azimuth"],))]
@@ -272,13 +272,13 @@ def _tools_of(recording: Recording) -> list[Asked]:
 def tool_changes_of(
     recording: Recording,
 ) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
-    """What the brush comes to hold at samples; one that is told again holds the last."""
+    """Return loads and strengths of the brush by samples; of several at one, the last."""
     loads, strengths = told_at(recording.header, recording.time_ns)
     return list(dict(loads).items()), list(dict(strengths).items())
 
 
 def tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
-    """What gives the hand back what it holds, freshly dipped."""
+    """Return the commands that give the hand its tools back, freshly dipped."""
     asked: list[Asked] = [("set_azimuth", (painting.azimuth,)), ("set_brush", (brush,))]
     amount = painting.amount.words()
     dips = painting.dips or ((painting.dipped, None),)
@@ -286,7 +286,7 @@ def tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
 
 
 def samples_of(recording: Recording, progress: JobProgress) -> list[DeviceSample]:
-    """The samples of a recording, telling how far it is."""
+    """Return the samples of a recording, reporting progress."""
     samples = []
     for k, sample in enumerate(recording.samples()):
         samples.append(sample)
