@@ -16,7 +16,7 @@ LEAST_PIXELS, MOST_PIXELS = 64, 4096
 
 
 def buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBox:
-    """OK, by another name, and Cancel."""
+    """Return buttons: OK, by another name, and Cancel."""
     standard = QtWidgets.QDialogButtonBox.StandardButton
     box = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
     box.button(standard.Ok).setText(accept)
@@ -27,7 +27,7 @@ def buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBo
 
 
 def stored_number(kept: Mapping[str, object], name: str, default: float) -> float:
-    """A number that was kept under a name; the default where there is none."""
+    """Return a number stored under a name; the default where there is none."""
     value = kept.get(name)
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         return default
@@ -35,10 +35,10 @@ def stored_number(kept: Mapping[str, object], name: str, default: float) -> floa
 
 
 class _WithoutWheel(QtCore.QObject):
-    """Leaves the wheel to what scrolls, where nobody has clicked into a number or a list."""
+    """Leaves the wheel to the area around a number or a list without the focus."""
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Stop a wheel over what has no focus, and hand it on to what it lies in."""
+        """Ignore a wheel over a widget without the focus, so that its parent gets it."""
         if event.type() != QtCore.QEvent.Type.Wheel or watched.hasFocus():  # type: ignore[attr-defined]
             return False
         event.ignore()
@@ -46,7 +46,7 @@ class _WithoutWheel(QtCore.QObject):
 
 
 def leave_wheel_to_scrolling(parent: QtWidgets.QWidget) -> None:
-    """Let no number, slider or list of a panel change by a wheel that scrolls over it."""
+    """Keep a wheel that scrolls over a panel's numbers, sliders and lists from changing them."""
     guard = _WithoutWheel(parent)
     for kind in (QtWidgets.QAbstractSpinBox, QtWidgets.QComboBox, QtWidgets.QSlider):
         for child in parent.findChildren(kind):

@@ -16,7 +16,7 @@ class ReportOnce:
     ----------
     action : callable
     tell : callable
-        Given the fault in words, for the user.
+        Called with the fault's text, for the user.
     """
 
     def __init__(self, action: Callable[[], object], tell: Callable[[str], object]) -> None:
@@ -24,13 +24,13 @@ class ReportOnce:
         self._known: set[tuple[object, ...]] = set()
 
     def __call__(self) -> None:
-        """Do it."""
+        """Run the action; report an exception that is new."""
         try:
             self._action()
         except Exception as error:  # the next call may well succeed
             last = traceback.extract_tb(error.__traceback__)[-1]
-            place = type(error), last.filename, last.lineno
-            if place not in self._known:
-                self._known.add(place)
+            fault = type(error), last.filename, last.lineno
+            if fault not in self._known:
+                self._known.add(fault)
                 sys.excepthook(type(error), error, error.__traceback__)
                 self._tell(f"{type(error).__name__}: {error}")

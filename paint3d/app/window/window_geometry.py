@@ -1,4 +1,4 @@
-"""Size, place and panels of a window, as words for the settings."""
+"""Size, position and panels of a window, as the settings store them."""
 
 from __future__ import annotations
 
@@ -14,13 +14,13 @@ _FRAME = QtCore.QSize(2, 38)  # that a window manager puts around it, about
 
 
 def first_size(window: QtWidgets.QMainWindow) -> QtCore.QSize:
-    """How large a window is that was never opened before: no larger than its screen."""
-    room = window.screen().availableGeometry().size() - _FRAME
-    return _SIZE.boundedTo(room).expandedTo(window.minimumSizeHint())
+    """Return a window's size at its first opening: no larger than its screen."""
+    available = window.screen().availableGeometry().size() - _FRAME
+    return _SIZE.boundedTo(available).expandedTo(window.minimumSizeHint())
 
 
 def window_words(window: QtWidgets.QMainWindow) -> dict[str, object]:
-    """What `restore_window` needs, as JSON can hold it."""
+    """Return the state that `restore_window` takes, as JSON can hold it."""
     return {
         "geometry": _text(window.saveGeometry()),
         "panels": _text(window.saveState(_VERSION)),
@@ -28,7 +28,7 @@ def window_words(window: QtWidgets.QMainWindow) -> dict[str, object]:
 
 
 def restore_window(window: QtWidgets.QMainWindow, words: Mapping[str, object]) -> None:
-    """Give a window the size, place and panels that it had; what cannot be used is passed over.
+    """Restore a window's size, position and panels; what cannot be used is ignored.
 
     Qt moves what would lie beside the screens back onto one.
     """

@@ -102,7 +102,7 @@ class MoveDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.apply_stroke_edit` takes it."""
+        """The chosen edit, as `score_edits.apply_stroke_edit` takes it."""
         along = [self.right.value(), self.up.value()]
         return {"do": "move", "along": along, "turn_deg": self.turn.value()}
 
@@ -162,7 +162,7 @@ class TimeDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.apply_stroke_edit` takes it."""
+        """The chosen edit, as `score_edits.apply_stroke_edit` takes it."""
         words: dict[str, Any] = {"do": "time", "shift_s": self.shift.value()}
         if abs(self.seconds.value() - self._was) > 0.005:  # of what the box shows
             words["seconds"] = self.seconds.value()

@@ -146,7 +146,7 @@ class _StrokeReplay:
 
     @property
     def reached(self) -> float:
-        """How far it has been handed on, s."""
+        """Time up to which it has been fed, s."""
         return self.when[min(self.next, len(self.when) - 1)]
 
     def fraction(self, paint_thread: PaintThread) -> float:
@@ -168,7 +168,7 @@ class _StrokeReplay:
 
     @property
     def is_handed_on(self) -> bool:
-        """True if nothing of it is still to be asked for."""
+        """True if all of it has been fed."""
         return self.ended is not None
 
     def hand_on(self, paint_thread: PaintThread, seconds: float) -> None:
@@ -227,7 +227,7 @@ class _Score:
 
     @property
     def reached(self) -> float:
-        """How far it has been handed on, s."""
+        """Time up to which it has been fed, s."""
         return self.cues[min(self.next, len(self.cues) - 1)].when
 
     def fraction(self, _: PaintThread) -> float:
@@ -241,7 +241,7 @@ class _Score:
 
     @property
     def is_handed_on(self) -> bool:
-        """True if nothing of it is still to be asked for."""
+        """True if all of it has been fed."""
         return self.last is not None
 
     def hand_on(self, paint_thread: PaintThread, seconds: float) -> None:
