@@ -60,9 +60,9 @@ def _commands(parser: Parser, words: tuple[str, ...], about: str) -> Iterator[_C
         choices, name = tuple(map(str, action.choices or ())), action.option_strings[-1]
         is_file = not choices
         choices = choices or _NAMES.get(name, ())
-        told = (action.help or "") % vars(action) if action.help else ""
+        about_it = (action.help or "") % vars(action) if action.help else ""
         for name in action.option_strings:
-            found.append(_Option(name, choices, action.nargs != 0, _in_short(told), is_file))
+            found.append(_Option(name, choices, action.nargs != 0, _in_short(about_it), is_file))
     below = parser.actions()
     yield _Command(words, _in_short(about), tuple(found), tuple(below))
     for name, one in below.items():
@@ -70,7 +70,7 @@ def _commands(parser: Parser, words: tuple[str, ...], about: str) -> Iterator[_C
 
 
 def _in_short(text: str) -> str:
-    """The beginning of a text, as shells can quote it."""
+    """Return the beginning of a text, as shells can quote it."""
     first = text.strip().split("\n\n")[0].split("; ")[0].split(" (default")[0]
     return " ".join(first.split()).rstrip(".")
 

@@ -171,7 +171,7 @@ def run(options: argparse.Namespace) -> None:
         mesh = surface.source
     take_layer(document or surface, options.layer)
     with ProgressBar("laying", enabled=not options.quiet):
-        laid = lay_on(mesh, _for_this(recording, mesh, options), options.at, options.size)
+        laid = lay_on(mesh, _relate_to_object(recording, mesh, options), options.at, options.size)
     doubts: tuple[Message | None, ...] = ()
     if isinstance(laid, Recording) and not recording.is_pad:
         doubts = check_poses(laid, surface, wanted.brush, str(options.recording))
@@ -183,7 +183,7 @@ def run(options: argparse.Namespace) -> None:
         painting = paint_onto(document, laid, wanted, seconds, watch)
     with ProgressBar("looking", enabled=not options.quiet):
         refuse_untouched(painting, laid, mesh, str(options.recording))
-    if document is not None:  # else the painter has told them
+    if document is not None:  # else the painter has logged them
         log_doubts(doubts)
     finish(painting, options, watch)
     if table is not None:
@@ -192,10 +192,12 @@ def run(options: argparse.Namespace) -> None:
         sys.stdout.write(f"{options.out or options.film}: {painting.summarize()}\n")
 
 
-def _for_this(recording: Recording, mesh: TriangleMesh, options: argparse.Namespace) -> Recording:
-    """The recording for this object: with --at, one in the world becomes a pad's.
+def _relate_to_object(
+    recording: Recording, mesh: TriangleMesh, options: argparse.Namespace
+) -> Recording:
+    """Return the recording for this object: with --at, one in the world becomes a pad's.
 
-    One that was made on another object, and is not laid anew, is told.
+    Warns of one that was made on another object and is not laid anew.
     """
     made_on = recording.header.get("object")
     if recording.is_pad or not isinstance(made_on, str):

@@ -51,7 +51,7 @@ def replay_score(options: argparse.Namespace, film: FilmWanted | None = None) ->
             recording=options.recording,
             on=options.on,
         )
-    document, painting, watch = _painted(score, options, film)
+    document, painting, watch = _paint(score, options, film)
     if not painting.counts["footprints"]:
         raise RecordingError(
             "{recording}: no stroke of it touches {source}; expected the object that it was "
@@ -71,7 +71,7 @@ def replay_score(options: argparse.Namespace, film: FilmWanted | None = None) ->
         sys.stdout.write(f"{options.out or options.film}: {painting.summarize()}\n")
 
 
-def _painted(
+def _paint(
     score: Score, options: argparse.Namespace, film: FilmWanted | None
 ) -> tuple[Document, Painting, Watch | None]:
     from paint3d.app.model.score.playing import begun, play

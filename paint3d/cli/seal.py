@@ -74,7 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_seal_options(parser: argparse.ArgumentParser) -> None:
-    """Add what is cut, and where and how it is pressed: what `press` asks."""
+    """Add the options of `press`: the seal's design, and its position."""
     add_drawing_options(group_of(parser, WHAT), "cut a drawing instead of a text")
     _add_stone_options(group_of(parser, WHAT))
     _add_place_options(group_of(parser, PLACE))
@@ -166,12 +166,12 @@ def run(options: argparse.Namespace) -> None:
         document = new_document(wanted)
     take_layer(document, options.layer)
     before = Before.of(document)
-    told = press(document, options)
+    summary = press(document, options)
     say_if_over(fraction_over(document, before))
     with ProgressBar("writing", enabled=not options.quiet) as progress:
         document.export(options.out, progress=progress)
     if not options.quiet:
-        sys.stdout.write(f"{options.out}: {told}\n")
+        sys.stdout.write(f"{options.out}: {summary}\n")
 
 
 def check_seal(options: argparse.Namespace) -> None:
@@ -197,12 +197,12 @@ def check_seal(options: argparse.Namespace) -> None:
 
 
 def press(document: Document, options: argparse.Namespace) -> str:
-    """Cut a seal and press it where it is asked for, or at the first place that has room.
+    """Cut a seal and press it at the given position, or at the first one that has room.
 
     Returns
     -------
     str
-        What was pressed, for people.
+        A summary of the seal.
 
     Raises
     ------
