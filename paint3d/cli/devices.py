@@ -661,7 +661,12 @@ def _check(options: argparse.Namespace) -> None:
             reports_by_path.setdefault(node.path, (node, []))
         lines = [_rate_of(*found) for _, found in sorted(reports_by_path.items())]
         if devices.reader is not None:
-            lines += [*_rate_at(devices.reader.name, times), *_state_of(devices.reader)]
+            reader = devices.reader
+            lines += _rate_at(reader.name, times)
+            if reader.n_refused:
+                lines.append(f"{reader.name}: {reader.n_refused} reports refused")
+            if reader.gone is not None:
+                lines.append(reader.gone)
         lines += [line for stylus in devices.styli() for line in _health_of(stylus)]
         lines += [line for mouse in devices.mice() for line in _health_of(mouse)]
     finally:
@@ -680,12 +685,6 @@ def _rate_at(name: str, times: list[int]) -> list[str]:
         f"{rate.interval_p50_ms:.2f} ms, p99 {rate.interval_p99_ms:.2f}, "
         f"longest {rate.longest_ms:.2f}, pauses {rate.pauses}"
     ]
-
-
-def _state_of(reader: PortReader) -> list[str]:
-    refused = f"{reader.name}: {reader.n_refused} reports refused"
-    gone = [] if reader.gone is None else [reader.gone]
-    return [refused] * bool(reader.n_refused) + gone
 
 
 def _rate_of(node: HidNode, reports: list[tuple[int, bytes]]) -> str:

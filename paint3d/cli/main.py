@@ -145,11 +145,6 @@ def _print_warnings(*, quiet: bool) -> None:
     log.handlers[0].setFormatter(logging.Formatter("paint3d: note: %(message)s"))
 
 
-def _describe_os_error(error: OSError) -> str:
-    reason = error.strerror or str(error) or type(error).__name__
-    return f"{error.filename}: {reason}" if error.filename else reason
-
-
 def _run(words: Sequence[str]) -> int:
     try:
         options = make_parser(words[0] if words else "").parse_args(words or ["--help"])
@@ -161,7 +156,8 @@ def _run(words: Sequence[str]) -> int:
     except BrokenPipeError:  # the reader of our output has gone
         discard_output(sys.stdout)
     except OSError as error:
-        return _report_failure(_describe_os_error(error))
+        reason = error.strerror or str(error) or type(error).__name__
+        return _report_failure(f"{error.filename}: {reason}" if error.filename else reason)
     except MemoryError:
         return _report_failure("out of memory; try a coarser --resolution or a smaller mesh")
     return 0

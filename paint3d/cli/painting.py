@@ -7,7 +7,7 @@ import io
 import os
 import pickle
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import Field, asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -157,7 +157,9 @@ class PaintingOptions:
         unsaid : mapping
             The help's text of a default, where a command differs.
         """
-        for one in cls._declared(names):
+        for one in fields(cls):
+            if not one.metadata or (names and one.name not in names):
+                continue
             group = group_of(parser, one.metadata["group"])
             if one.name == "up":
                 add_up_option(parser)
@@ -172,10 +174,6 @@ class PaintingOptions:
                 f"--{one.name.replace('_', '-')}", default=None, required=one.name == "on",
                 help=help, **how,
             )  # fmt: skip
-
-    @classmethod
-    def _declared(cls, names: Sequence[str]) -> list[Field[Any]]:
-        return [one for one in fields(cls) if one.metadata and (not names or one.name in names)]
 
     @classmethod
     def of(cls, options: argparse.Namespace, **otherwise: Any) -> PaintingOptions:

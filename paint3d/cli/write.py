@@ -360,9 +360,12 @@ def settle_size(options: argparse.Namespace, on: str) -> None:
     from paint3d.mesh.sheets import parse_sheet
 
     sheet = parse_sheet(on)
+    signature = None  # of so many characters; 0 for a seal alone
+    if options.sign or options.seal:
+        signature = len("".join((options.sign or "").split()))
     composition = compose(
         sheet, text, options.layout or "columns",
-        signature=_signature_length(options), gap=options.gap, between=options.between,
+        signature=signature, gap=options.gap, between=options.between,
     )  # fmt: skip
     if composition is None:
         return
@@ -381,11 +384,6 @@ def settle_size(options: argparse.Namespace, on: str) -> None:
             f"{n} character{'s' if n > 1 else ''} of {composition.em_mm:.0f} mm in {lines} {what}"
             f"{'s' if lines > 1 else ''} fill{'' if n > 1 else 's'} the sheet\n"
         )
-
-
-def _signature_length(options: argparse.Namespace) -> int | None:
-    """Return the length of the signature; 0 for a seal alone, None for neither."""
-    return len("".join((options.sign or "").split())) if options.sign or options.seal else None
 
 
 def _say_if_coarse(em_mm: float, surface: PaintedSurface) -> None:

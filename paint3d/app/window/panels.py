@@ -115,13 +115,6 @@ class Panels:
         self.docks[name] = dock
         return dock
 
-    def _watch_tabs(self) -> None:
-        """Follow clicks on tabs, also on that of the panel in front."""
-        for bar in self._workspace.window.findChildren(QtWidgets.QTabBar):
-            if not bar.property("watched"):
-                bar.setProperty("watched", True)
-                bar.tabBarClicked.connect(partial(self._tab_clicked, bar))
-
     def _tab_clicked(self, bar: QtWidgets.QTabBar, index: int) -> None:
         titles = {dock.windowTitle(): dock for dock in self.docks.values()}
         dock = titles.get(bar.tabText(index))
@@ -224,7 +217,11 @@ class Panels:
     def open(self) -> None:
         """Show another document."""
         painting = self._workspace.painting
-        self._watch_tabs()
+        # Qt makes the tab bars when the docks are shown; its own signal leaves out the tab in front
+        for bar in self._workspace.window.findChildren(QtWidgets.QTabBar):
+            if not bar.property("watched"):
+                bar.setProperty("watched", True)
+                bar.tabBarClicked.connect(partial(self._tab_clicked, bar))
         self._drawn = self._drawing = None
         self._turned, self._asked_of_layers = {}, None
         self.layers.show_pictures(())

@@ -679,7 +679,8 @@ class BrushEditor(QtWidgets.QDialog):
         self.message_label.setWordWrap(True)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Name")))
-        self.name_box = QtWidgets.QLineEdit(self._first_name())
+        name = plain_name(self.brush)
+        self.name_box = QtWidgets.QLineEdit(f"my {name}" if name in brush_names() else name)
         self.name_box.setMaxLength(60)
         self.name_box.textChanged.connect(lambda _: self.message_label.clear())
         row.addWidget(self.name_box, 1)
@@ -700,10 +701,6 @@ class BrushEditor(QtWidgets.QDialog):
         button = QtWidgets.QPushButton(text)
         button.setAutoDefault(False)
         return button
-
-    def _first_name(self) -> str:
-        name = plain_name(self.brush)
-        return f"my {name}" if name in brush_names() else name
 
     # -- changing ---------------------------------------------------------------------------
 

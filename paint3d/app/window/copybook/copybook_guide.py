@@ -634,9 +634,11 @@ class CopybookGuide:
         panel, copybook = self._panel, self._panel.copybook
         if panel.follow() and copybook is not None:
             self._draw()
+            following = copybook.next  # the character before it was judged now
+            last = (len(copybook.ghosts) if following is None else following) - 1
             for index, ghost in enumerate(copybook.ghosts):
                 percent = panel.percent(index)
-                if percent is not None and index == self._last(copybook):
+                if percent is not None and index == last:
                     message = say(
                         "{character}: {percent:.0f} %", character=ghost.text, percent=percent
                     )
@@ -678,11 +680,6 @@ class CopybookGuide:
             if (book := self._books.get(text)) is not None
         ]
         return books if self._loose is None else [*books, (None, self._loose)]
-
-    def _last(self, copybook: Copybook) -> int:
-        """Return the index of the character before the next one."""
-        following = copybook.next
-        return (len(copybook.ghosts) if following is None else following) - 1
 
     def _judge(self, ended: Future[Stroke | None]) -> None:
         books = self._all_books()

@@ -35,7 +35,7 @@ from paint3d.painter.recorded_tools import (
     told_at,
 )
 from paint3d.recording.recording import Recording, load_recording, save_recording
-from paint3d.recording.score import Score, is_score, load_score, save_score
+from paint3d.recording.score import is_score, load_score, save_score
 from paint3d.view.camera import Camera, picture_axes
 
 __all__ = ["FORMATS", "Recordings", "lay_in_view", "samples_of", "tool_changes_of", "tools_in_hand"]
@@ -119,8 +119,14 @@ class Recordings:
         path = self._targets.ask(say("Save the strokes as a recording…"), FORMATS)
         if path is None:
             return
-        title = say("Writing {name}…", name=path.name)
-        done = workspace.run(title, lambda progress: _write(recording, score, path, progress))
+
+        def write(progress: JobProgress) -> None:
+            if path.name.lower().endswith((".score.jsonl", ".score.jsonl.gz")):
+                save_score(score, path, progress)
+            else:
+                save_recording(recording, path, progress)
+
+        done = workspace.run(say("Writing {name}…", name=path.name), write)
         if workspace.went_well(done):
             workspace.tell(say("Exported {name}", name=path.name), state="good")
 
@@ -293,10 +299,3 @@ def samples_of(recording: Recording, progress: JobProgress) -> list[DeviceSample
         if k % _AT_ONCE == 0:
             progress(_READ + (0.99 - _READ) * k / len(recording))
     return samples
-
-
-def _write(recording: Recording, score: Score, path: Path, progress: JobProgress) -> None:
-    if path.name.lower().endswith((".score.jsonl", ".score.jsonl.gz")):
-        save_score(score, path, progress)
-        return
-    save_recording(recording, path, progress)
