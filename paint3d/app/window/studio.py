@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -46,17 +48,92 @@ from paint3d.app.window.reference.reference import Reference
 from paint3d.app.window.seal import Sealing
 from paint3d.app.window.status_line import ReplayBar, StatusLine
 from paint3d.app.window.theme import DARK_THEME
-from paint3d.app.window.timer_faults import ReportOnce
 from paint3d.app.window.tour import Tour
 from paint3d.app.window.view_actions import ViewActions
 from paint3d.app.window.view_keeping import ViewKeeping
-from paint3d.app.window.window_geometry import first_size, restore_window, window_words
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
 from paint3d.errors import Message, Paint3DError
 
 __all__ = ["StudioWindow"]
+
+# ---- Size, position and panels -------------------------------------------------------------------
+# As the settings store them.
+
+
+_VERSION = 1  # of the arrangement of tool bars and panels: another one is not restored
+_SIZE = QtCore.QSize(1280, 800)
+_FRAME = QtCore.QSize(2, 38)  # that a window manager puts around it, about
+
+
+def first_size(window: QtWidgets.QMainWindow) -> QtCore.QSize:
+    """Return a window's size at its first opening: no larger than its screen."""
+    available = window.screen().availableGeometry().size() - _FRAME
+    return _SIZE.boundedTo(available).expandedTo(window.minimumSizeHint())
+
+
+def window_words(window: QtWidgets.QMainWindow) -> dict[str, object]:
+    """Return the state that `restore_window` takes, as JSON can hold it."""
+    return {
+        "geometry": _text(window.saveGeometry()),
+        "panels": _text(window.saveState(_VERSION)),
+    }
+
+
+def restore_window(window: QtWidgets.QMainWindow, words: Mapping[str, object]) -> None:
+    """Restore a window's size, position and panels; what cannot be used is ignored.
+
+    Qt moves what would lie beside the screens back onto one.
+    """
+    geometry, panels = words.get("geometry"), words.get("panels")
+    if isinstance(geometry, str):
+        window.restoreGeometry(_bytes(geometry))
+    if isinstance(panels, str):
+        window.restoreState(_bytes(panels), _VERSION)
+
+
+def _text(data: QtCore.QByteArray) -> str:
+    return bytes(data.toBase64().data()).decode("ascii")
+
+
+def _bytes(text: str) -> QtCore.QByteArray:
+    return QtCore.QByteArray.fromBase64(text.encode("utf-8", "replace"))
+
+
+# ---- Faults of timers ----------------------------------------------------------------------------
+# A timer repeats its action, and must not repeat its error messages.
+
+
+class ReportOnce:
+    """Runs an action and reports each distinct exception once, by where it was raised.
+
+    Parameters
+    ----------
+    action : callable
+    tell : callable
+        Called with the fault's text, for the user.
+    """
+
+    def __init__(self, action: Callable[[], object], tell: Callable[[str], object]) -> None:
+        self._action, self._tell = action, tell
+        self._known: set[tuple[object, ...]] = set()
+
+    def __call__(self) -> None:
+        """Run the action; report an exception that is new."""
+        try:
+            self._action()
+        except Exception as error:  # the next call may well succeed
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            fault = type(error), last.filename, last.lineno
+            if fault not in self._known:
+                self._known.add(fault)
+                sys.excepthook(type(error), error, error.__traceback__)
+                self._tell(f"{type(error).__name__}: {error}")
+
+
+# ---- The window ----------------------------------------------------------------------------------
+
 
 _TICK_MS = 12
 _RESTING_S, _REST_TICK_MS = 2.0, 80  # after which ticks come less often, and how often
