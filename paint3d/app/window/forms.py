@@ -26,9 +26,9 @@ def buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBo
     return box
 
 
-def stored_number(kept: Mapping[str, object], name: str, default: float) -> float:
+def stored_number(stored: Mapping[str, object], name: str, default: float) -> float:
     """Return a number stored under a name; the default where there is none."""
-    value = kept.get(name)
+    value = stored.get(name)
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         return default
     return float(value)
@@ -81,7 +81,7 @@ class FormDialog(QtWidgets.QDialog):
     def add_box(
         self, label: str, choices: Mapping[Any, str], chosen: object
     ) -> QtWidgets.QComboBox:
-        """A row to choose one of several: what they mean, by what is chosen."""
+        """Add a row to choose one of several: texts by their values."""
         box = QtWidgets.QComboBox()
         for value, text in choices.items():
             box.addItem(text, value)
@@ -92,7 +92,7 @@ class FormDialog(QtWidgets.QDialog):
     def add_number(
         self, label: str, low: float, high: float, value: float, unit: str = "", digits: int = 0
     ) -> QtWidgets.QDoubleSpinBox:
-        """A row for a number."""
+        """Add a row for a number."""
         box = QtWidgets.QDoubleSpinBox()
         box.setDecimals(digits)
         box.setRange(low, high)
@@ -102,7 +102,7 @@ class FormDialog(QtWidgets.QDialog):
         return box
 
     def add_check(self, text: str, on: bool) -> QtWidgets.QCheckBox:
-        """A row for yes or no."""
+        """Add a row for yes or no."""
         box = QtWidgets.QCheckBox(text)
         box.setChecked(on)
         self.form.addRow("", box)
@@ -122,23 +122,23 @@ class SizeBoxes(QtWidgets.QWidget):
             box.setRange(LEAST_PIXELS, MOST_PIXELS)
             box.setSingleStep(16)
             box.setValue(value)
-        self.kept = QtWidgets.QCheckBox(say("In proportion"))
-        self.kept.setChecked(abs(size[1] - self._ratio * size[0]) <= 1.0)
+        self.keeps_ratio = QtWidgets.QCheckBox(say("In proportion"))
+        self.keeps_ratio.setChecked(abs(size[1] - self._ratio * size[0]) <= 1.0)
         row.addWidget(self.width_box)
         row.addWidget(QtWidgets.QLabel("×"))
         row.addWidget(self.height_box)
-        row.addWidget(self.kept)
+        row.addWidget(self.keeps_ratio)
         self.width_box.valueChanged.connect(lambda n: self._follow(self.height_box, n, self._ratio))
         self.height_box.valueChanged.connect(
             lambda n: self._follow(self.width_box, n, 1.0 / self._ratio)
         )
 
     def _follow(self, box: QtWidgets.QSpinBox, pixels: int, ratio: float) -> None:
-        if self.kept.isChecked():
+        if self.keeps_ratio.isChecked():
             box.blockSignals(True)
             box.setValue(round(pixels * ratio))
             box.blockSignals(False)
 
     def size_in_pixels(self) -> tuple[int, int]:
-        """Width and height."""
+        """Return width and height."""
         return self.width_box.value(), self.height_box.value()

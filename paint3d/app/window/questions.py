@@ -211,8 +211,8 @@ _GESTURES = {"hold": Message("hold"), "drag": Message("drag"), "tap": Message("t
 
 def _format_keys(one: Shortcut) -> str:
     """Format keys, buttons or fingers, and their gesture unless they are pressed."""
-    *held, last = one.keys.replace("++", "+plus").replace("Num+", "Num ").split("+")
-    words = [say("Space") if key == "Space" else key for key in held]
+    *modifiers, last = one.keys.replace("++", "+plus").replace("Num+", "Num ").split("+")
+    words = [say("Space") if key == "Space" else key for key in modifiers]
     kind, _, number = last.partition(" ")
     if kind == "Pen":
         words.append(say("Pen button {number}", number=number))

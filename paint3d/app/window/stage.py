@@ -1,6 +1,6 @@
 """The stage: the painted object, the brush and the camera, kept up with the painting thread.
 
-The only place where the painting thread's document and the renderer meet: between two of its steps
+Here alone the painting thread's document and the renderer meet: between two of its steps
 the document is held still while what has changed is copied, patch by patch; then it paints on while
 the renderer works.
 """

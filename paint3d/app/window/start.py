@@ -79,10 +79,10 @@ def run_studio(
     window = StudioWindow(app, settings, plugged=plugged, feel=start_feeling)
     if problem is not None:
         window.workspace.tell(say(problem), state="bad", stays=True)
-    elif (kept := stand_in()) is not None:
+    elif (folder := stand_in()) is not None:
         message = say(
             "The home folder cannot be written: settings and recovery data are kept in {folder}",
-            folder=kept,
+            folder=folder,
         )
         window.workspace.tell(message, state="bad", stays=True)
     if log.isEnabledFor(logging.DEBUG):

@@ -186,7 +186,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._make_jobs()
         self.copying = CopybookGuide(workspace, self.panels.copybook)
         self.writing = TextWriting(
-            workspace, self.player, self.copying.held,
+            workspace, self.player, self.copying.chosen_text,
             lambda em_mm: self.copying.change({"em_mm": em_mm}),
         )  # fmt: skip
         self.copying.laid_out = self.writing.prepare

@@ -132,8 +132,8 @@ class Tour(QtWidgets.QFrame):
         return self._at if self._steps else None
 
     def _is_traced(self) -> bool:
-        copybook = self._copying.held()
-        return copybook is not None and any(ghost.strokes for ghost in copybook.book.ghosts)
+        chosen = self._copying.chosen_text()
+        return chosen is not None and any(ghost.strokes for ghost in chosen.book.ghosts)
 
     def _look(self) -> None:
         """Go on if the step is done, unless a stroke is being painted."""

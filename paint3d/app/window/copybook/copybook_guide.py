@@ -28,7 +28,7 @@ from paint3d.app.window.copybook.strokes_dialog import (
     Photographed,
     StrokesDialog,
 )
-from paint3d.app.window.copybook.text_moving import HeldText, TextMover
+from paint3d.app.window.copybook.text_moving import ChosenText, TextMover
 from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.seal import ProposedSeal
@@ -114,7 +114,7 @@ class CopybookGuide:
         self._fitted: list[tuple[set[LaidText], BrushSpec, BrushSpec]] = []
         self._counting: Future[Any] | None = None  # strokes, for the characters
         self._counted: object = None  # which strokes, for which texts
-        self.mover = TextMover(workspace, self.held, self._choose_at)
+        self.mover = TextMover(workspace, self.chosen_text, self._choose_at)
         self.mover.changed.connect(self.change)
         self.mover.removed.connect(self.hide)
         self.mover.turned_on.connect(self._show_moving)
@@ -276,12 +276,12 @@ class CopybookGuide:
         """
         if not _BY_ITSELF.isdisjoint(values):
             self._panel.fill_box.setChecked(False)
-        held = self.held()
-        if held is None:
+        chosen = self.chosen_text()
+        if chosen is None:
             return
-        laid = held.laid
-        if not values.keys() <= _BREAK_ANEW and "\n" not in laid.text and held.book.lines:
-            laid = laid.moved(text=held.book.lines)  # it breaks where it did before
+        laid = chosen.laid
+        if not values.keys() <= _BREAK_ANEW and "\n" not in laid.text and chosen.book.lines:
+            laid = laid.moved(text=chosen.book.lines)  # it breaks where it did before
         try:
             if "order" in values and self._panel.fills and not laid.is_signature:
                 values = self._filling({"text": laid.text, **values})
@@ -296,16 +296,16 @@ class CopybookGuide:
             if not self._put(laid, self._active, quiet=_CHOICES.isdisjoint(values), moves=moves):
                 self._show_active()
             return
-        page = held.book.page
+        page = chosen.book.page
         assert page is not None, "it is loose"
         now = replace(self._laid, em_mm=laid.em_mm, layout=laid.layout, note="")
         self._lay(lambda: page, now)
 
     def nudge(self, right: float, up: float) -> None:
         """Move the chosen text so many mm."""
-        held = self.held()
-        if held is not None:
-            frame = held.book.block.frame
+        chosen = self.chosen_text()
+        if chosen is not None:
+            frame = chosen.book.block.frame
             moved = frame.origin + right * frame.x_axis + up * frame.y_axis
             point = self._workspace.hand.surface.find(moved[None]).points[0].tolist()
             self.change({"point": tuple(point)})
@@ -326,7 +326,7 @@ class CopybookGuide:
                 return True
         return False
 
-    def held(self) -> HeldText | None:
+    def chosen_text(self) -> ChosenText | None:
         """Return the chosen text as it lies on the object; None without one."""
         if self._active is not None and self._active < len(self._shown):
             laid = self._shown[self._active]
@@ -338,12 +338,12 @@ class CopybookGuide:
             shape = (n, longest) if laid.order == "columns" else (longest, n)
             if not laid.text.strip():
                 shape = laid.cells
-            return HeldText(laid, book, (1, 1) if book.page is not None else shape)
+            return ChosenText(laid, book, (1, 1) if book.page is not None else shape)
         if self._loose is None:
             return None
         layout = self._laid.layout
         laid = LaidText(em_mm=self._laid.em_mm, turn=layout.turn, point=layout.point)
-        return HeldText(laid, self._loose, (1, 1))
+        return ChosenText(laid, self._loose, (1, 1))
 
     def _show_moving(self, on: bool) -> None:
         self._panel.show_moving(on)
@@ -456,10 +456,10 @@ class CopybookGuide:
 
     def _show_active(self) -> None:
         """Show the chosen text in the panel, and draw all."""
-        held = self.held()
-        book = None if held is None else held.book
+        chosen = self.chosen_text()
+        book = None if chosen is None else chosen.book
         self._panel.show_texts([_title(text) for text in self._shown], self._active)
-        self._panel.show_values(held.laid if held and self._active is not None else None)
+        self._panel.show_values(chosen.laid if chosen and self._active is not None else None)
         if book is not self._panel.copybook:
             self._panel.show_copybook(book)
         self._draw()
@@ -542,12 +542,12 @@ class CopybookGuide:
 
     def correct(self) -> None:
         """Show the strokes over their picture, and lay out the corrected ones instead."""
-        copybook, laid, held = self._panel.copybook, self._laid, self.held()
-        if copybook is None or copybook.page is None or held is None:
+        copybook, laid, chosen = self._panel.copybook, self._laid, self.chosen_text()
+        if copybook is None or copybook.page is None or chosen is None:
             return
         workspace, number = self._workspace, self._active
         if number is not None:  # a text in a font
-            laid = _TextLayout(held.laid.em_mm, held.laid.layout)
+            laid = _TextLayout(chosen.laid.em_mm, chosen.laid.layout)
         page, beside = copybook.page, laid.file
         photographed = laid.photographed
         dialog = StrokesDialog(

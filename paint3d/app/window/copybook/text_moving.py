@@ -19,7 +19,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.errors import Paint3DError
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 
-__all__ = ["HeldText", "TextMover"]
+__all__ = ["ChosenText", "TextMover"]
 
 _KEY = QtCore.Qt.Key
 _GRIP, _REACH = 7.0, 14.0  # pixels: half of a grip, and how near it is taken
@@ -33,7 +33,7 @@ _ARROWS = {
 
 
 @dataclass(frozen=True, eq=False)
-class HeldText:
+class ChosenText:
     """The text that drags and keys act on.
 
     Attributes
@@ -56,8 +56,8 @@ class TextMover(CanvasTool):
     Parameters
     ----------
     workspace : Workspace
-    held : callable
-        Returns the `HeldText`, or None.
+    chosen_text : callable
+        Returns the `ChosenText`, or None.
     choose : callable
         Chooses the text at a point (3,) of the object; False where there is none.
 
@@ -75,11 +75,11 @@ class TextMover(CanvasTool):
     def __init__(
         self,
         workspace: Workspace,
-        held: Callable[[], HeldText | None],
+        chosen_text: Callable[[], ChosenText | None],
         choose: Callable[[AnyArray], bool],
     ) -> None:
         super().__init__(workspace)
-        self._held, self._choose = held, choose
+        self._chosen_text, self._choose = chosen_text, choose
         self._grip = ""  # that is dragged
         self._from = QtCore.QPointF()
         self._start: AnyArray | None = None  # of the object, where the drag began
@@ -114,13 +114,13 @@ class TextMover(CanvasTool):
 
     def _nudge(self, right: int, up: int, keys: QtCore.Qt.KeyboardModifier) -> None:
         """Change the text by one key; it is laid out when no further one comes."""
-        held = self._held()
-        if held is None:
+        chosen = self._chosen_text()
+        if chosen is None:
             return
         modifier = QtCore.Qt.KeyboardModifier
-        laid = held.laid.moved(**self._changes)
-        frame = held.book.block.frame
-        changes: dict[str, Any] = {"point": self._point(held)}
+        laid = chosen.laid.moved(**self._changes)
+        frame = chosen.book.block.frame
+        changes: dict[str, Any] = {"point": self._point(chosen)}
         if keys & modifier.ControlModifier:
             if right and laid.around:
                 return
@@ -137,23 +137,23 @@ class TextMover(CanvasTool):
             ground = self._workspace.hand.surface
             point = ground.find((np.array(changes["point"]) + shift)[None]).points[0]
             changes["point"] = tuple(point.tolist())
-        self._try(held, self._changes | changes)
+        self._try(chosen, self._changes | changes)
         self._timer.start()
 
-    def _point(self, held: HeldText) -> tuple[float, float, float]:
+    def _point(self, chosen: ChosenText) -> tuple[float, float, float]:
         """Return the text's middle, with the changes since it was laid."""
-        middle = self._changes.get("point", tuple(held.book.block.frame.origin.tolist()))
+        middle = self._changes.get("point", tuple(chosen.book.block.frame.origin.tolist()))
         x, y, z = middle
         return float(x), float(y), float(z)
 
-    def _try(self, held: HeldText, changes: dict[str, Any]) -> None:
+    def _try(self, chosen: ChosenText, changes: dict[str, Any]) -> None:
         """Show the effect of changes; ignore those that no text can have."""
         try:
-            held.laid.moved(**changes)
+            chosen.laid.moved(**changes)
         except Paint3DError:
             return
         self._changes = changes
-        self._show(held)
+        self._show(chosen)
 
     def _commit(self) -> None:
         self._timer.stop()
@@ -193,10 +193,10 @@ class TextMover(CanvasTool):
 
     def drag(self, at: QtCore.QPointF) -> None:
         """Show the effect of the drag so far."""
-        held = self._held()
-        if held is None or not self._grip or at == self._from:
+        chosen = self._chosen_text()
+        if chosen is None or not self._grip or at == self._from:
             return
-        frame = held.book.block.frame
+        frame = chosen.book.block.frame
         changes: dict[str, Any] = {"point": tuple(frame.origin.tolist())}
         if self._grip == "move":
             point = self._on_object(at.x(), at.y())
@@ -210,12 +210,14 @@ class TextMover(CanvasTool):
             before = self._in_plane(frame, self._from)
             if ahead is None or before is None:
                 return
-            changes |= self._grip_changes(held, before, ahead)
-        self._try(held, changes)
+            changes |= self._grip_changes(chosen, before, ahead)
+        self._try(chosen, changes)
 
-    def _grip_changes(self, held: HeldText, before: AnyArray, ahead: AnyArray) -> dict[str, Any]:
+    def _grip_changes(
+        self, chosen: ChosenText, before: AnyArray, ahead: AnyArray
+    ) -> dict[str, Any]:
         """Return the changes by dragging a grip between two points of the text's plane."""
-        laid, (across, down) = held.laid, held.shape
+        laid, (across, down) = chosen.laid, chosen.shape
         if self._grip == "scale":
             least = max(float(np.linalg.norm(before)), 1e-6)
             return {"em_mm": laid.em_mm * float(np.linalg.norm(ahead)) / least}
@@ -248,10 +250,10 @@ class TextMover(CanvasTool):
 
     def grips(self) -> dict[str, QtCore.QPointF]:
         """Return each grip's position in the picture, pixels; none without a chosen text."""
-        held = self._held()
-        if held is None:
+        chosen = self._chosen_text()
+        if chosen is None:
             return {}
-        upper_left, upper_right, lower_right, lower_left = self._corners(held)
+        upper_left, upper_right, lower_right, lower_left = self._corners(chosen)
         middle = 0.25 * (upper_left + upper_right + lower_right + lower_left)
 
         def beyond(at: AnyArray, pixels: float) -> AnyArray:
@@ -260,17 +262,17 @@ class TextMover(CanvasTool):
             return farther
 
         positions = {"scale": beyond(lower_right, _GRIP)}
-        across, down = held.shape
+        across, down = chosen.shape
         if across > 1:
             positions["across"] = beyond(0.5 * (upper_left + lower_left), _REACH)
         if down > 1:
             positions["down"] = beyond(0.5 * (lower_left + lower_right), _REACH)
-        if not held.laid.around:
+        if not chosen.laid.around:
             positions["turn"] = beyond(0.5 * (upper_left + upper_right), _AWAY)
         return {name: QtCore.QPointF(*at.tolist()) for name, at in positions.items()}
 
-    def _corners(self, held: HeldText) -> list[AnyArray]:
-        corners = self._moved(held, held.book.block.corners)
+    def _corners(self, chosen: ChosenText) -> list[AnyArray]:
+        corners = self._moved(chosen, chosen.book.block.corners)
         return list(self._workspace.hand.pixels_of(corners))
 
     def _grip_at(self, at: QtCore.QPointF) -> str:
@@ -281,21 +283,21 @@ class TextMover(CanvasTool):
         best = min(near, key=lambda name: near[name], default="")
         return best if best and near[best] <= _REACH else ""
 
-    def _moved(self, held: HeldText, points: AnyArray) -> AnyArray:
+    def _moved(self, chosen: ChosenText, points: AnyArray) -> AnyArray:
         """Return points (N, 3) of the text as they will lie, as if it were a stiff sheet."""
-        changes, frame = self._changes, held.book.block.frame
+        changes, frame = self._changes, chosen.book.block.frame
         if not changes:
             return points
-        laid = held.laid
+        laid = chosen.laid
         now = laid.moved(**changes)
-        to = frame_at(self._workspace.hand.surface, np.array(self._point(held)), frame.y_axis)
+        to = frame_at(self._workspace.hand.surface, np.array(self._point(chosen)), frame.y_axis)
         flat = (points - frame.origin) @ np.stack(
             [frame.x_axis, frame.y_axis, frame.normal], axis=1
         )
         flat[:, :2] *= now.em_mm / laid.em_mm
         for axis, level in ((0, True), (1, False)):
             name = _spacing_name(laid, level)
-            n = held.shape[axis]
+            n = chosen.shape[axis]
             more = (n - 1) * (getattr(now, name) - getattr(laid, name)) * now.em_mm
             size = float(np.ptp(flat[:, axis]))
             flat[:, axis] *= (size + more) / max(size, 1e-6)
@@ -308,15 +310,15 @@ class TextMover(CanvasTool):
         )  # fmt: skip
         return moved
 
-    def _show(self, held: HeldText | None) -> None:
+    def _show(self, chosen: ChosenText | None) -> None:
         """Draw the text where it would lie; None: draw it no longer."""
         stage = self._workspace.stage
         if stage.paint_thread is None:
             return
         lines: list[AnyArray] = []
-        if held is not None:
-            every = held.book.grid("frame", columns=True)
-            points = self._moved(held, np.concatenate(every))
+        if chosen is not None:
+            every = chosen.book.grid("frame", columns=True)
+            points = self._moved(chosen, np.concatenate(every))
             lines = np.split(points, np.cumsum([len(line) for line in every])[:-1])
         accent = QtGui.QColor(self._workspace.theme.accent)
         stage.show_lines(_LINES, lines, (accent.red(), accent.green(), accent.blue(), 200), 1.6)
@@ -324,11 +326,11 @@ class TextMover(CanvasTool):
 
     def paint(self, painter: QtGui.QPainter) -> None:
         """Draw the text's outline and its grips."""
-        held = self._held()
-        if held is None:
+        chosen = self._chosen_text()
+        if chosen is None:
             return
         accent = QtGui.QColor(self._workspace.theme.accent)
-        corners = [QtCore.QPointF(*at.tolist()) for at in self._corners(held)]
+        corners = [QtCore.QPointF(*at.tolist()) for at in self._corners(chosen)]
         painter.setPen(QtGui.QPen(accent, 1.2, QtCore.Qt.PenStyle.DashLine))
         painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
         painter.drawPolygon(QtGui.QPolygonF(corners))

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from PySide6 import QtCore
 
 from paint3d.app.model.frame import Snapshot
-from paint3d.app.window.copybook.text_moving import HeldText
+from paint3d.app.window.copybook.text_moving import ChosenText
 from paint3d.app.window.job import JobProgress
 from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.playing.recordings import samples_of, tool_changes_of, tools_in_hand
@@ -45,7 +45,7 @@ class TextWriting:
     workspace : Workspace
     player : Player
         Paints the planned strokes.
-    held : callable
+    chosen_text : callable
         Returns the chosen text as it lies on the object, or None.
     resize : callable
         Lays it in another size, mm; where it cannot, it lies as before.
@@ -55,11 +55,11 @@ class TextWriting:
         self,
         workspace: Workspace,
         player: Player,
-        held: Callable[[], HeldText | None],
+        chosen_text: Callable[[], ChosenText | None],
         resize: Callable[[float], None],
     ) -> None:
         self._workspace, self._player = workspace, player
-        self._held, self._resize = held, resize
+        self._chosen_text, self._resize = chosen_text, resize
         self._ahead = 0  # times that planning ahead was begun or ended: only the last goes on
         self._timer = QtCore.QTimer(workspace, interval=_SETTLED_MS, singleShot=True)
         self._timer.timeout.connect(self._plan_ahead)
@@ -70,11 +70,11 @@ class TextWriting:
         self._timer.start()
 
     def _plan_ahead(self) -> None:
-        held, paint_thread = self._held(), self._workspace.stage.paint_thread
-        if held is None or paint_thread is None or not held.book.ghosts:
+        chosen, paint_thread = self._chosen_text(), self._workspace.stage.paint_thread
+        if chosen is None or paint_thread is None or not chosen.book.ghosts:
             return
-        pieces = [PlacedPiece(ghost.glyph, ghost.square) for ghost in held.book.ghosts]
-        brush, em = paint_thread.brush, held.laid.em_mm
+        pieces = [PlacedPiece(ghost.glyph, ghost.square) for ghost in chosen.book.ghosts]
+        brush, em = paint_thread.brush, chosen.laid.em_mm
         settings = _settings_for(brush if suits_size(brush, em) else brush_for(em), em)
         number = self._ahead
 
@@ -91,8 +91,8 @@ class TextWriting:
 
         As fast as it goes; the replay's bar slows it down.
         """
-        workspace, held = self._workspace, self._held()
-        if held is None or not held.book.ghosts:
+        workspace, chosen = self._workspace, self._chosen_text()
+        if chosen is None or not chosen.book.ghosts:
             workspace.tell(say("There is no text to write; lay one out first"), state="bad")
             return
         workspace.hand.interrupt()
@@ -100,12 +100,12 @@ class TextWriting:
         self._ahead += 1
         workspace.actions["arrange_text"].setChecked(False)
         painting, brush = workspace.painting, workspace.paint_thread.brush
-        in_hand, em = brush, held.laid.em_mm
+        in_hand, em = brush, chosen.laid.em_mm
         if not suits_size(in_hand, em):
             brush = brush_for(em)
         folder = workspace.settings.glyphs or None
         title = say("Planning the strokes…")
-        planned = workspace.run(title, partial(_written_samples, held, painting, brush, folder))
+        planned = workspace.run(title, partial(_written_samples, chosen, painting, brush, folder))
         error = planned.exception()
         smaller = error.message.fields.get("smaller") if isinstance(error, Paint3DError) else None
         if isinstance(smaller, float):
@@ -139,12 +139,16 @@ class TextWriting:
         window = self._workspace.window
         if ask(window, message, accept=accept, warns=True) is Answer.AcceptRole:
             self._resize(smaller)
-        held = self._held()
-        return held is not None and held.laid.em_mm == smaller
+        chosen = self._chosen_text()
+        return chosen is not None and chosen.laid.em_mm == smaller
 
 
 def _written_samples(
-    held: HeldText, painting: Snapshot, brush: BrushSpec, folder: str | None, progress: JobProgress
+    chosen: ChosenText,
+    painting: Snapshot,
+    brush: BrushSpec,
+    folder: str | None,
+    progress: JobProgress,
 ) -> tuple[Any, ...]:
     """Plan a text; return its samples, and loads and strengths of the brush at them."""
     from paint3d.calligraphy.dips import apply_dip_option
@@ -153,7 +157,7 @@ def _written_samples(
     def report(_: str, fraction: float) -> None:
         progress(_PLANNED * fraction)
 
-    written = _plan(held, painting, brush, folder, report)
+    written = _plan(chosen, painting, brush, folder, report)
     dipped = apply_dip_option(written.recording, brush, _DIPS, painting.material)
     written = replace(written, recording=dipped)
     recording: Recording = with_ink(
@@ -163,7 +167,7 @@ def _written_samples(
 
 
 def _plan(
-    held: HeldText,
+    chosen: ChosenText,
     painting: Snapshot,
     brush: BrushSpec,
     folder: str | None,
@@ -173,7 +177,7 @@ def _plan(
     from paint3d.calligraphy.glyph_sources import open_glyphs
     from paint3d.calligraphy.writing import write_page, write_text
 
-    laid, page = held.laid, held.book.page
+    laid, page = chosen.laid, chosen.book.page
     options: dict[str, Any] = {
         "settings": _settings_for(brush, laid.em_mm),
         "layout": laid.layout,

@@ -59,9 +59,9 @@ _QUALITY = 92
 _FILAMENTS = 6
 
 
-def stored_options(kept: Mapping[str, object], suffix: str) -> Mapping[str, object]:
+def stored_options(stored: Mapping[str, object], suffix: str) -> Mapping[str, object]:
     """Return the options that were chosen last for a format."""
-    own = kept.get(suffix)
+    own = stored.get(suffix)
     return own if isinstance(own, Mapping) else {}
 
 
@@ -73,8 +73,8 @@ class ExportDialog(FormDialog):
     parent : QWidget
     suffix : str
         Of the format: one of `FORMATS`, or ".jpg".
-    kept : mapping
-        What `chosen` returned the last time.
+    stored : mapping
+        The last result of `chosen`.
     screen : (int, int)
         Width and height of the picture on the screen, pixels.
     sheet : (float, float), optional
@@ -85,12 +85,12 @@ class ExportDialog(FormDialog):
         self,
         parent: QtWidgets.QWidget,
         suffix: str,
-        kept: Mapping[str, object],
+        stored: Mapping[str, object],
         screen: tuple[int, int],
         sheet: tuple[float, float] | None = None,
     ) -> None:
         super().__init__(parent, f"{say('Export…').rstrip('…')}  {suffix}")
-        self.suffix, self._kept, self._screen, self._sheet = suffix, kept, screen, sheet
+        self.suffix, self._stored, self._screen, self._sheet = suffix, stored, screen, sheet
         self._takes = FORMATS[suffix].takes if suffix in FORMATS else frozenset()
         self.choices: dict[str, QtWidgets.QComboBox] = {}
         self.checks: dict[str, QtWidgets.QCheckBox] = {}
@@ -113,27 +113,27 @@ class ExportDialog(FormDialog):
             views["studio"] = say("The painted side, in the studio's light")
             views |= {name: say(text) for name, text in _VIEWS.items()}
         flat = FLAT if self._sheet is not None and FLAT in views else None
-        view = self.add_box(say("View"), views, self._kept.get("view", flat))
+        view = self.add_box(say("View"), views, self._stored.get("view", flat))
         self.choices["view"] = view
         size = self._usual_size()
-        match self._kept.get("size"):
+        match self._stored.get("size"):
             case [int(width), int(height)]:
                 size = width, height
         self.size_boxes = SizeBoxes(size, self._screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
         if self.suffix == ".jpg":
-            quality = stored_number(self._kept, "quality", _QUALITY)
+            quality = stored_number(self._stored, "quality", _QUALITY)
             self.numbers["quality"] = self.add_number(say("Quality"), 1, 100, quality, "%")
         if self.suffix in FORMATS:
             lights = {name: say(text) for name, text in _LIGHTS.items()}
-            self.choices["light"] = self.add_box(say("Light"), lights, self._kept.get("light"))
+            self.choices["light"] = self.add_box(say("Light"), lights, self._stored.get("light"))
             self._add_stored_check("transparent", say("Without ground and background"))
         view.currentIndexChanged.connect(self._view_chosen)
 
     def _view_chosen(self) -> None:
         """Show the size that is usual for the chosen view."""
         boxes = self._sizes()
-        boxes.kept.setChecked(self.is_of_screen)
+        boxes.keeps_ratio.setChecked(self.is_of_screen)
         width, height = self._usual_size()
         boxes.width_box.setValue(width)
         boxes.height_box.setValue(height)
@@ -150,19 +150,19 @@ class ExportDialog(FormDialog):
         if "unit" in self._takes:
             own = say("As the format has it")
             units = {None: own} | say_units()
-            self.choices["unit"] = self.add_box(say("Unit"), units, self._kept.get("unit"))
+            self.choices["unit"] = self.add_box(say("Unit"), units, self._stored.get("unit"))
             axes = {None: own} | {axis: axis.upper() for axis in UP_AXES}
-            self.choices["up_axis"] = self.add_box(say("Up"), axes, self._kept.get("up_axis"))
+            self.choices["up_axis"] = self.add_box(say("Up"), axes, self._stored.get("up_axis"))
         if "texture" in self._takes:
             choices: dict[bool | int, str] = {
                 False: say("At the vertices"),
                 True: say("As a texture"),
             }
             choices |= {n: say("As a texture of {n} pixels", n=n) for n in _TEXTURES}
-            kept = self._kept.get("texture", False)
-            self.choices["texture"] = self.add_box(say("Colours"), choices, kept)
+            where = self._stored.get("texture", False)
+            self.choices["texture"] = self.add_box(say("Colours"), choices, where)
             self.choices["texture"].currentIndexChanged.connect(self._follow)
-        tolerance = stored_number(self._kept, "tolerance", 1.0)
+        tolerance = stored_number(self._stored, "tolerance", 1.0)
         self.numbers["tolerance"] = self.add_number(
             say("Colours may miss by"), 0.0, 20.0, tolerance, "ΔE", 1
         )
@@ -174,19 +174,19 @@ class ExportDialog(FormDialog):
             self._add_stored_check("packed_normals", say("Normals in one number"))
 
     def _add_stored_check(self, name: str, text: str) -> None:
-        self.checks[name] = self.add_check(text, self._kept.get(name) is True)
+        self.checks[name] = self.add_check(text, self._stored.get(name) is True)
 
     def _add_gamut(self) -> None:
         if "gamut" in self._takes:
             screens = {name: gamut.title for name, gamut in GAMUTS.items()}
-            kept = self._kept.get("gamut", "srgb")
-            self.choices["gamut"] = self.add_box(say("Colours of a screen"), screens, kept)
+            gamut_name = self._stored.get("gamut", "srgb")
+            self.choices["gamut"] = self.add_box(say("Colours of a screen"), screens, gamut_name)
 
     def _add_filaments(self) -> None:
         if "filaments" not in self._takes:
             return
-        kept = self._kept.get("filaments")
-        count = kept if isinstance(kept, int) and 1 <= kept <= MOST_FILAMENTS else None
+        stored = self._stored.get("filaments")
+        count = stored if isinstance(stored, int) and 1 <= stored <= MOST_FILAMENTS else None
         on = self.add_check(say("Few colours, one for each triangle"), count is not None)
         number = self.add_number(say("How many"), 1, MOST_FILAMENTS, count or _FILAMENTS)
         self.checks["few"], self.numbers["filaments"] = on, number
@@ -332,11 +332,11 @@ class Exporting:
     def do_export(self) -> None:
         """Ask for a name and a format, then for the format's options; write the file."""
         workspace = self._workspace
-        kept = workspace.settings.exports
+        stored = workspace.settings.exports
         extent = _sheet_size(workspace.painting.source)
         remembered = "format" if extent is None else "format of sheets"
         names = FORMAT_NAMES if extent is None else _PICTURES_FIRST
-        path = self._targets.ask(say("Export…"), names, str(kept.get(remembered, "")))
+        path = self._targets.ask(say("Export…"), names, str(stored.get(remembered, "")))
         if path is None:
             return
         name = path.name.lower()
@@ -345,12 +345,12 @@ class Exporting:
             self.export_to(path)
             return
         dialog = ExportDialog(
-            workspace.window, suffix, stored_options(kept, suffix), workspace.canvas.pixel_size,
+            workspace.window, suffix, stored_options(stored, suffix), workspace.canvas.pixel_size,
             extent,
         )  # fmt: skip
         if not dialog.exec():
             return
-        workspace.update_settings(exports={**kept, remembered: suffix, suffix: dialog.chosen()})
+        workspace.update_settings(exports={**stored, remembered: suffix, suffix: dialog.chosen()})
         if dialog.is_of_screen:
             self._pictures.picture_to(path, dialog.picture_size(), dialog.quality())
         elif dialog.is_taken_otherwise:

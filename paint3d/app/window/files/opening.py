@@ -254,11 +254,11 @@ class Opening:
 
         def read(progress: JobProgress) -> Reading:
             message = _before_one(progress)
-            found = read_mesh(path, self.unit, texture=True, up=self.up, progress=message)
-            _ = found.mesh.face_normals, found.mesh.bounds  # here, not in the window's thread
+            mesh = read_mesh(path, self.unit, texture=True, up=self.up, progress=message)
+            _ = mesh.mesh.face_normals, mesh.mesh.bounds  # here, not in the window's thread
             if not is_built_in(path):
-                _ = found.up_by_shape
-            return found
+                _ = mesh.up_by_shape
+            return mesh
 
         loaded = self._workspace.run(title, read)
         if not self._workspace.went_well(loaded):
@@ -275,13 +275,13 @@ class Opening:
         undo_bytes = self._undo_bytes()
 
         def make(progress: JobProgress) -> OpenResult:
-            found = reading.mesh
+            mesh = reading.mesh
             if not choice.coloured:  # as it was before it was refined for its picture
                 message = part_of(progress, 0.0, 0.4)
-                found = read_mesh(path, self.unit, up=self.up, progress=message).mesh
+                mesh = read_mesh(path, self.unit, up=self.up, progress=message).mesh
             progress(0.0 if choice.coloured else 0.4)
             document = Document.new(
-                choice.apply(found),
+                choice.apply(mesh),
                 choice.resolution,
                 choice.material,
                 brush=brush,

@@ -164,17 +164,17 @@ class ColourDialog(QtWidgets.QDialog):
         if error is not None:
             self.message_label.setText(say_error(error))
             return
-        found = self.nearest = coming.result()
-        self._paint(self.coat, QtGui.QColor(*found.srgb))
+        nearest = self.nearest = coming.result()
+        self._paint(self.coat, QtGui.QColor(*nearest.srgb))
         parts = ", ".join(
-            f"{ink_label(ink)} {100 * fraction:.3g} %" for ink, fraction in found.parts.items()
+            f"{ink_label(ink)} {100 * fraction:.3g} %" for ink, fraction in nearest.parts.items()
         )
         how = (
-            say("hardly to be seen") if found.difference < _GOOD
-            else say("seen side by side") if found.difference < _FAIR
+            say("hardly to be seen") if nearest.difference < _GOOD
+            else say("seen side by side") if nearest.difference < _FAIR
             else say("no mixture of these inks comes nearer")
         )  # fmt: skip
-        self.message_label.setText(f"{parts}\nΔE00 {found.difference:.1f}, {how}")
+        self.message_label.setText(f"{parts}\nΔE00 {nearest.difference:.1f}, {how}")
         self._enable(self._next is None)
 
     def _paint(self, label: QtWidgets.QLabel, colour: QtGui.QColor) -> None:
@@ -306,11 +306,11 @@ class InkMaking:
 
     def open_table(self, path: str | Path) -> bool:
         """Add a table's pigments to the dishes; show a fault; return whether that succeeded."""
-        kept = self._workspace.settings.pigment_tables
+        tables = self._workspace.settings.pigment_tables
         try:
             self._panels.inks.add_pigments(load_pigments_csv(path).values(), str(path))
             table = {os.path.abspath(path): fingerprint_of(path)}
-            self._workspace.update_settings(pigment_tables={**kept, **table})
+            self._workspace.update_settings(pigment_tables={**tables, **table})
         except Paint3DError as error:
             self._workspace.tell(say_error(error), state="bad", stays=True)
             return False

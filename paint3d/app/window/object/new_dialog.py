@@ -51,7 +51,7 @@ class NewDialog(FormDialog):
     def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
         super().__init__(parent, say("New painting…").rstrip("…"), beside=True)
         self._settings = settings
-        self._kept_material = chosen_material(settings)
+        self._last_material = chosen_material(settings)
         self._wanted = settings.resolution_mm
         self._error = ""
         self.sheets, self.objects = _Pictures(), _Pictures()
@@ -80,7 +80,7 @@ class NewDialog(FormDialog):
         self.margin = self.add_number(say("Margin"), 0.0, 500.0, 25.0, "mm")
         self.margin.setToolTip(say("What is kept free by text that is laid out"))
         self.mounted = self.add_check(say("Mounted, with a border of silk"), False)
-        self.material = MaterialBox(self._kept_material)
+        self.material = MaterialBox(self._last_material)
         self.material.failed.connect(lambda why: ask(self, why, accept=say("OK"), leave=""))
         self.material.currentIndexChanged.connect(lambda _: self._draw())
         self.form.addRow(say("Material"), self.material)
@@ -97,8 +97,8 @@ class NewDialog(FormDialog):
             box.valueChanged.connect(lambda _: self._draw())
         self.mounted.toggled.connect(lambda _: self._draw())
         self._lay_out(lists)
-        kept = settings.begun_on
-        self.choose(kept if kept in BUILT_IN_OBJECTS or is_sheet(kept) else "scroll")
+        last = settings.begun_on
+        self.choose(last if last in BUILT_IN_OBJECTS or is_sheet(last) else "scroll")
         self._coming = list(BUILT_IN_OBJECTS)
         QtCore.QTimer.singleShot(0, self, self._draw_next)
 
@@ -158,7 +158,7 @@ class NewDialog(FormDialog):
         blocked = [QtCore.QSignalBlocker(row) for row in (*rows, self.material)]
         for row in rows:
             self.form.setRowVisible(row, sheet is not None)
-        material = _SUITED.get(self._name, self._kept_material)
+        material = _SUITED.get(self._name, self._last_material)
         if sheet is not None:
             shape, material = sheet.usual.shape, sheet.usual.material
             self.form.setRowVisible(self.height_box, shape != "disc")

@@ -70,9 +70,9 @@ class FilmOptions(NamedTuple):
         return width * height * self.n_pictures > MOST_PIXELS
 
 
-def stored_film(kept: Mapping[str, object]) -> FilmOptions:
+def stored_film(stored: Mapping[str, object]) -> FilmOptions:
     """Return the film that was chosen last."""
-    own = kept.get("film")
+    own = stored.get("film")
     own = own if isinstance(own, Mapping) else {}
     seconds = min(max(stored_number(own, "seconds", 5.0), 0.5), _LONGEST_S)
     rate = min(max(stored_number(own, "rate", 15.0), 1.0), _FASTEST)
@@ -86,8 +86,8 @@ class FilmDialog(FormDialog):
     Parameters
     ----------
     parent : QWidget
-    kept : FilmOptions
-        What was chosen last.
+    stored : FilmOptions
+        The film that was chosen last.
     screen : (int, int)
         Width and height of the picture on the screen, pixels.
     any_length : bool
@@ -99,16 +99,16 @@ class FilmDialog(FormDialog):
     def __init__(
         self,
         parent: QtWidgets.QWidget,
-        kept: FilmOptions,
+        stored: FilmOptions,
         screen: tuple[int, int],
         any_length: bool = False,
         title: str = "",
     ) -> None:
         self._any_length = any_length
         super().__init__(parent, (title or say("Turntable…")).rstrip("…"))
-        self.seconds = self.add_number(say("Length"), 0.5, _LONGEST_S, kept.seconds, "s", 1)
-        self.rate = self.add_number(say("Pictures a second"), 1, _FASTEST, kept.rate)
-        self.size_boxes = SizeBoxes(kept.size or screen, screen)
+        self.seconds = self.add_number(say("Length"), 0.5, _LONGEST_S, stored.seconds, "s", 1)
+        self.rate = self.add_number(say("Pictures a second"), 1, _FASTEST, stored.rate)
+        self.size_boxes = SizeBoxes(stored.size or screen, screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
         self.message_label = QtWidgets.QLabel()
         self.message_label.setObjectName("faint")
@@ -400,16 +400,16 @@ class Pictures:
         self._ask_for_film(say("Film of the painting growing…"), self.growth_to)
 
     def _ask_for_film(self, title: str, write: Callable[[Path, FilmOptions], bool]) -> None:
-        kept = self._workspace.settings.exports
-        path = self._targets.ask(title, FILMS, str(kept.get("film_format", "")))
+        stored = self._workspace.settings.exports
+        path = self._targets.ask(title, FILMS, str(stored.get("film_format", "")))
         if path is None:
             return
         dialog = FilmDialog(
-            self._workspace.window, stored_film(kept), self._workspace.canvas.pixel_size,
+            self._workspace.window, stored_film(stored), self._workspace.canvas.pixel_size,
             any_length=path.suffix.lower() == ".mp4", title=title,
         )  # fmt: skip
         if dialog.exec():
-            now = {**kept, "film": dialog.chosen(), "film_format": path.suffix.lower()}
+            now = {**stored, "film": dialog.chosen(), "film_format": path.suffix.lower()}
             self._workspace.update_settings(exports=now)
             write(path, dialog.film())
 
