@@ -76,10 +76,10 @@ def format_result(result: Result) -> list[str]:
         cells = (cell.rjust(width) for cell, width in zip(row, widths, strict=True))
         lines.append("  " + "  ".join(cells))
     for check in result.checks:
-        kept = "kept  " if check.is_met else "MISSED"
+        verdict = "kept  " if check.is_met else "MISSED"
         sign = "<=" if check.at_most else ">="
         value = f"{check.value:.4g} (wanted {sign} {check.bound:g}) {check.unit}".rstrip()
-        lines.append(f"  {kept}  {check.name}: {value}")
+        lines.append(f"  {verdict}  {check.name}: {value}")
     return lines + [f"  {note}" for note in result.notes]
 
 

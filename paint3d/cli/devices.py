@@ -659,7 +659,7 @@ def _check(options: argparse.Namespace) -> None:
             times += [reading.time_ns for reading in devices.take_stylus()]
         for node in devices.nodes():
             reports_by_path.setdefault(node.path, (node, []))
-        lines = [_rate_of(*found) for _, found in sorted(reports_by_path.items())]
+        lines = [_rate_of(*entry) for _, entry in sorted(reports_by_path.items())]
         if devices.reader is not None:
             reader = devices.reader
             lines += _rate_at(reader.name, times)

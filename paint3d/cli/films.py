@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["FilmWanted", "Watch", "add_film_options", "film_of"]
 
 _SUFFIXES = (".mp4", ".gif", ".webp")
-_LONGEST_S = 20.0  # that a film lasts where no speed is told
+_LONGEST_S = 20.0  # length of a film without --speed
 _RATES = {".mp4": 24.0}
 _RATE = 12.0
 _MOST_PICTURES = 20_000
@@ -95,7 +95,7 @@ class FilmWanted:
         return self.begun(surface, clock.seconds + (rest_s or 0.0))
 
     def begun(self, surface: PaintedSurface, seconds: float) -> Watch:
-        """Watch a painting that takes so many seconds of the hand's time.
+        """Watch a painting that takes `seconds` of the hand's time.
 
         Raises
         ------

@@ -115,7 +115,7 @@ class ProgressBar:
 
     def _write_lines(self) -> None:
         after = _FIRST_LINE_S
-        with suppress(OSError):  # nobody reads the pipe any more
+        with suppress(OSError):  # the pipe has no reader any more
             while not self._over.wait(max(0.0, self._started + after - time.monotonic())):
                 self.note(f"{self._label}{self._progress_text()}")
                 after *= 2.0

@@ -36,8 +36,8 @@ def find_versions() -> dict[str, str]:
     """Return versions by name; a package that is absent is listed as ``not installed``."""
     import platform
 
-    found = {"python": sys.version.split()[0], "system": platform.platform()}
-    return found | {package: _version(package) for package in _PACKAGES}
+    system = {"python": sys.version.split()[0], "system": platform.platform()}
+    return system | {package: _version(package) for package in _PACKAGES}
 
 
 @cache

@@ -284,6 +284,7 @@ def carry_out(
         If it does not fit, cannot be planned, or a file cannot be written.
     """
     from paint3d.files.project.session import is_session_path
+    from paint3d.recording.recording import save_recording
 
     film = film_of(options)
     is_signed = bool(getattr(options, "sign", None) or getattr(options, "seal", None))
@@ -337,7 +338,11 @@ def carry_out(
             write_report(options.report, painting)
     else:
         finish(painting, options, watch)
-    _write_beside(options, written)
+    if options.recording is not None:
+        with ProgressBar("writing", enabled=not options.quiet) as progress:
+            save_recording(written.recording, options.recording, progress)
+    if options.save_strokes is not None:
+        save_written(written, options.save_strokes)
     if not options.quiet:
         sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
     return written, painting
@@ -538,17 +543,6 @@ def _rehearse(
         return paint(fresh, inked(plan, fresh), wanted, seconds).surface
 
     return rehearse(written, on_trial, surface.material, trials, sheet)
-
-
-def _write_beside(options: argparse.Namespace, written: Written) -> None:
-    """Write the recording and the strokes, if options name files for them."""
-    from paint3d.recording.recording import save_recording
-
-    if options.recording is not None:
-        with ProgressBar("writing", enabled=not options.quiet) as progress:
-            save_recording(written.recording, options.recording, progress)
-    if options.save_strokes is not None:
-        save_written(written, options.save_strokes)
 
 
 def check_files(

@@ -18,7 +18,7 @@ PLATE_ALPHA = 242
 _PORCELAIN = "#f3f0ea"
 _MARGIN, _HEIGHT, _LEAST_WIDTH = 14, 46, 236
 _BESIDE = 52  # pixels from the plate's edge to its text
-_LEVELS = 56  # of the ink in the dish that can be told apart: half pixels
+_LEVELS = 56  # distinct heights of the ink in the dish: half pixels
 
 
 class Hud:

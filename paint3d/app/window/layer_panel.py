@@ -150,7 +150,7 @@ class LayerPanel(QtWidgets.QWidget):
         self.opacity.setPageStep(10)
         self.opacity.setToolTip(say("How much of the layer shows"))
         self.opacity.setAccessibleName(say("Opacity"))
-        self.opacity.setTracking(False)  # a step of undo where it is let go
+        self.opacity.setTracking(False)  # one step of undo, when the slider is released
         self.opacity.sliderMoved.connect(self._show_percent)
         self.opacity.valueChanged.connect(self._set_opacity)
         self.percent = QtWidgets.QLabel()

@@ -1,4 +1,4 @@
-"""The panels beside the canvas, and what goes on between them and the painting."""
+"""The panels beside the canvas, and their connection to the painting."""
 
 from __future__ import annotations
 

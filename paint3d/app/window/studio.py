@@ -280,6 +280,7 @@ class StudioWindow(QtWidgets.QMainWindow):
                 say("Alt moves the window here: hold Space and drag to turn the view"), state="bad"
             )
         )
+        # first the message of before is removed, then a replay that gives way leaves its own
         self.hand.began.connect(self.status.forget_passing)
         self.hand.began.connect(self.player.give_way)
         self.hand.began.connect(self.panels.history.give_way)
@@ -397,7 +398,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         if pixels is not None:
             self.canvas.show_pixels(pixels, self.stage.changed)
             self.hud.follow()
-            # where nothing is painted, and only the view has moved, nobody needs the time
+            # rest after painting alone: where only the view has moved, nothing waits for the time
             rest = _REST * (time.thread_time() - started) if frame is not None else 0.0
             self._next_draw = time.perf_counter() + rest
             self._tick_in(rest)
@@ -463,7 +464,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.panels.inks.fit(event.size().height())
 
     def event(self, event: QtCore.QEvent) -> bool:
-        """End a stroke that a dialog or a bar interrupts: it will not hear of the pen's lift."""
+        """End a stroke that a dialog or a bar interrupts, which gets the pen's release itself."""
         if event.type() == QtCore.QEvent.Type.WindowBlocked and self.stage.paint_thread is not None:
             self.hand.interrupt()
         return super().event(event)

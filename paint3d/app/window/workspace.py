@@ -122,7 +122,7 @@ class Workspace(QtCore.QObject):
         if not self.may_let_go():
             return False
         self.opened.emit(opened)
-        if self._first_messages:
+        if self._first_messages:  # later, or what opened the painting shows its own message last
             message, self._first_messages = "; ".join(self._first_messages), []
             QtCore.QTimer.singleShot(0, self, lambda: self.tell(message, state="bad", stays=True))
         return True
@@ -221,7 +221,7 @@ class Workspace(QtCore.QObject):
 
     @property
     def is_waiting(self) -> bool:
-        """True if work goes on that the window waits for."""
+        """True while the window waits for work."""
         return is_waiting(self.window)
 
     def run(

@@ -311,7 +311,7 @@ class BrushPanel(QtWidgets.QWidget):
         return self._settle.isActive()
 
     def resize_brush(self, factor: float) -> None:
-        """Choose a brush so many times as large, soon."""
+        """Choose the brush larger by a factor, once the size has settled."""
         self._want(self._wanted * factor)
         with QtCore.QSignalBlocker(self._size):
             self._size.setValue(_step_of(self._wanted))

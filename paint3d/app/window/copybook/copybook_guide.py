@@ -61,7 +61,7 @@ _CHOICES = {"around", "order"}  # where one does not fit, a size that does is of
 _BREAK_ANEW = {"grid", *_CHOICES}  # values with which the text's lines may break otherwise
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _NUMERALS = r"\d〇零○一二三四五六七八九十"
-_DATED = re.compile(  # a year, and what else of a date is said beside a name
+_DATED = re.compile(  # a year, and the other parts of a date in a signature
     rf"(?:歲次|岁次|公元|西元|民國|民国)?(?:[{_STEMS}][{_BRANCHES}]|[{_NUMERALS}百千廿卅]+)\s*年\s*"
     rf"(?:[孟仲季]?[春夏秋冬](?!月))?\s*(?:[{_NUMERALS}正冬臘腊]+\s*月)?\s*"
     rf"(?:[{_NUMERALS}初廿卅]+\s*日)?"
@@ -302,7 +302,7 @@ class CopybookGuide:
         self._lay(lambda: page, now)
 
     def nudge(self, right: float, up: float) -> None:
-        """Move the chosen text so many mm."""
+        """Move the chosen text, mm."""
         chosen = self.chosen_text()
         if chosen is not None:
             frame = chosen.book.block.frame

@@ -155,7 +155,7 @@ class PictureView(QtWidgets.QWidget):
 
     def _end(self, position: QtCore.QPointF, still_down: QtCore.Qt.MouseButton) -> None:
         if still_down & self._button:
-            return  # another button was let go of
+            return  # another button was released
         was_click = self._pressed is not None and not (self._moved or self._holds)
         self._pressed = None
         if was_click and self._button == _BUTTON.LeftButton:

@@ -249,7 +249,7 @@ class CanvasWidget(QtWidgets.QWidget):
 
     @property
     def is_steering(self) -> bool:
-        """True if a drag goes on that turns or moves the view."""
+        """True during a drag that turns or moves the view."""
         return self._mode is not None
 
     def show_pixels(self, pixels: AnyArray, changed: Box | None = None) -> None:
@@ -403,7 +403,7 @@ class CanvasWidget(QtWidgets.QWidget):
             self._has_misread = True
             self.misread.emit()
         position = event.position()
-        if self._by == "pen":  # steering, until tip and buttons are let go of
+        if self._by == "pen":  # steering, until tip and buttons are released
             self._pen_touched_ns = time_ns
             is_over = event.type() == _KIND.TabletRelease and not event.buttons()
             (self._end if is_over else self._go_on)(position)

@@ -44,13 +44,13 @@ class CanvasHand(QtCore.QObject):
     Signals
     -------
     sized : float
-        The brush is to be so many times as large.
+        Factor by which the brush is to be larger.
     watered : float
         Pixels of a drag by which its ink is to be lighter.
     lamp_turned : float
         Pixels of a drag by which the lamp is turned to the right.
     began : ()
-        Of a stroke, before the painting thread hears of it.
+        A stroke begins; emitted before it is posted to the painting thread.
     ended : Future
         Of `end_stroke`, by which the painting thread ends it.
     """

@@ -368,7 +368,7 @@ class DishGrid(QtWidgets.QWidget):
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         """Dip in the dish that was pressed, or stir if the press was long."""
         if event.buttons() & QtCore.Qt.MouseButton.LeftButton:
-            return  # another button was let go of
+            return  # another button was released
         pressed, self._pressed = self._pressed, -1
         self._long.stop()
         self.update()

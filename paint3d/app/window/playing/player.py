@@ -24,11 +24,11 @@ from paint3d.recording.recording import HandTime
 
 __all__ = ["Asked", "Player", "Tools"]
 
-_BATCH = 64  # samples handed on at once where no time is kept
+_BATCH = 64  # samples fed at once where no time is kept
 _MOST_BATCHES = 16  # in one tick: the window lives on
 _MOST_CUES = 1024
 _AHEAD = 64  # batches that wait: painting is not to wait for the next tick
-_HASTE = 8  # times as fast as planned a hand writes, for the ink, where nobody keeps the time
+_HASTE = 8  # speed of a writing hand, for the ink, relative to the plan, where no time is kept
 _LOOK_S, _LOOK_FRACTION = 2.0, 0.004  # until it is known how fast it goes
 
 Asked = tuple[str, tuple[Any, ...]]
@@ -61,7 +61,7 @@ class Tools:
 
 
 class _Clock:
-    """The time that is played: so many times as fast as the clock's, or as fast as it goes."""
+    """The time of a replay: a multiple of the clock's, or as fast as it goes."""
 
     def __init__(self, speed: float | None) -> None:
         self._speed, self._is_still = speed, False
@@ -369,7 +369,7 @@ class Player(QtCore.QObject):
     def play(
         self, samples: Sequence[DeviceSample], speed: float | None, tools: Tools | None = None
     ) -> None:
-        """Paint samples at so many times their own speed; None: as fast as it goes.
+        """Paint samples at a multiple of their own speed; None: as fast as it goes.
 
         Rests count as `HandTime` does, in full where ink spreads meanwhile.
         """
@@ -404,7 +404,7 @@ class Player(QtCore.QObject):
         self.tick()
 
     def set_speed(self, speed: float | None) -> None:
-        """Play on at so many times the hand's own speed."""
+        """Go on at another speed, a multiple of the hand's own."""
         replay = self._replay
         if replay is not None:
             if isinstance(replay, _StrokeReplay):
@@ -415,7 +415,7 @@ class Player(QtCore.QObject):
             self._restart_estimate()
 
     def pause(self, on: bool) -> None:
-        """Stand still where it is, or go on from there."""
+        """Pause the replay, or go on."""
         if self._replay is not None:
             self._is_paused = on
             self._clock.change(self._replay.reached, self._clock.speed, on)
@@ -428,7 +428,7 @@ class Player(QtCore.QObject):
             self._since = time.perf_counter(), replay.fraction(paint_thread)
 
     def tick(self) -> None:
-        """Hand on what is due by now, and see how much is painted."""
+        """Feed what is due by now, and emit how much is painted."""
         replay, paint_thread = self._replay, self._workspace.stage.paint_thread
         if replay is None or paint_thread is None:
             return
