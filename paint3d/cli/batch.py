@@ -33,7 +33,6 @@ from paint3d.errors import InputError
 from paint3d.files.contents import json_text
 
 if TYPE_CHECKING:
-    from paint3d.cli.batches.record import FinishedRows
     from paint3d.cli.batches.rows import Outcome, Row
 
 __all__ = ["EXAMPLES", "add_arguments", "run"]
@@ -147,7 +146,11 @@ def run(options: argparse.Namespace) -> None:
                 failed.append(outcome.line)
                 _tell_failure(options.table, outcome)
             else:
-                _finish(by_line[outcome.line], outcome, finished, quiet=options.quiet)
+                row = by_line[outcome.line]
+                finished.add(row, outcome.seconds)
+                if not options.quiet:
+                    sys.stdout.write(f"{row.output} ({outcome.seconds:.1f} s)\n")
+                    sys.stdout.flush()
             progress(done / len(left))
     if options.report is not None:
         _write_report(options.report, outcomes, rows)
@@ -158,7 +161,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _parse_lines(text: str) -> range:
-    """Lines of a table, N or N-M."""
+    """Parse lines of a table, N or N-M."""
     first, dash, last = text.partition("-")
     lines = range(parse_count(first), parse_count(last if dash else first) + 1)
     if not lines:
@@ -173,12 +176,12 @@ def _parse_retries(text: str) -> int:
 
 
 def _only(lines: range, rows: list[Any]) -> list[Any]:
-    """The rows of these lines, or their refusals."""
+    """Return the rows of these lines, or their refusals."""
     return [row for row in rows if row.line in lines]
 
 
 def _summary(table: Path, outcomes: list[Outcome], n_before: int, seconds: float) -> str:
-    """How it went, for people: how many, how long, which took longest."""
+    """Return a summary: how many were painted, in what time, the longest one."""
     painted = [outcome for outcome in outcomes if not outcome.message]
     lines = [
         f"{table}: {len(painted)} painted in {seconds:.1f} s, {n_before} finished before, "
@@ -195,20 +198,20 @@ def _summary(table: Path, outcomes: list[Outcome], n_before: int, seconds: float
 
 
 def _write_report(file: Path, outcomes: list[Outcome], rows: list[Row]) -> None:
-    """Write how each row went as JSON, by line."""
+    """Write each row's outcome as JSON, by line."""
     outputs = {row.line: row.output for row in rows}
-    told = [
+    entries = [
         {"line": one.line, "output": outputs.get(one.line), "seconds": round(one.seconds, 3),
          "failure": one.message or None}
         for one in sorted(outcomes)
     ]  # fmt: skip
-    text = json_text({"versions": find_versions(), "rows": told}, indent=2, allow_nan=False)
+    text = json_text({"versions": find_versions(), "rows": entries}, indent=2, allow_nan=False)
     with write_atomically(file) as part:
         part.write_text(text + "\n", encoding="utf-8")
 
 
 def _refuse(table: Path, failed: list[int], total: int) -> None:
-    """End with an error where rows have failed."""
+    """Raise an error if rows have failed."""
     if failed:
         lines = ", ".join(map(str, sorted(failed)[:_SHOWN_LINES]))
         more = " ..." if len(failed) > _SHOWN_LINES else ""
@@ -240,13 +243,6 @@ def _outcomes(rows: list[Row], folder: str, options: argparse.Namespace) -> Iter
         return map(run_row, rows)
     processes = options.processes or usable_cores()
     return run_here(rows, processes, options.retries, quiet=options.quiet)
-
-
-def _finish(row: Row, outcome: Outcome, finished: FinishedRows, *, quiet: bool) -> None:
-    finished.add(row, outcome.seconds)
-    if not quiet:
-        sys.stdout.write(f"{row.output} ({outcome.seconds:.1f} s)\n")
-        sys.stdout.flush()
 
 
 def _tell_failure(table: Path, outcome: Outcome) -> None:

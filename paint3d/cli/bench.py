@@ -61,11 +61,14 @@ def run(options: argparse.Namespace) -> None:
         sys.stdout.write("\n".join([*format_result(results[name]), "", ""]))
         sys.stdout.flush()
     if options.json is not None:
-        _write_json(options.json, results)
+        figures = {name: result.as_dict() for name, result in results.items()}
+        text = json.dumps({"versions": find_versions(), "benchmarks": figures}, indent=2)
+        with write_atomically(options.json) as part:
+            part.write_text(text + "\n", encoding="utf-8")
 
 
 def format_result(result: Result) -> list[str]:
-    """Lines of a result: title, aligned table, bounds kept or not, notes."""
+    """Return the lines of a result: title, aligned table, bounds kept or not, notes."""
     rows = [list(result.columns), *([_cell(cell) for cell in row] for row in result.rows)]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     lines = [result.title]
@@ -73,10 +76,10 @@ def format_result(result: Result) -> list[str]:
         cells = (cell.rjust(width) for cell, width in zip(row, widths, strict=True))
         lines.append("  " + "  ".join(cells))
     for check in result.checks:
-        kept = "kept  " if check.is_met else "MISSED"
+        verdict = "kept  " if check.is_met else "MISSED"
         sign = "<=" if check.at_most else ">="
         value = f"{check.value:.4g} (wanted {sign} {check.bound:g}) {check.unit}".rstrip()
-        lines.append(f"  {kept}  {check.name}: {value}")
+        lines.append(f"  {verdict}  {check.name}: {value}")
     return lines + [f"  {note}" for note in result.notes]
 
 
@@ -86,10 +89,3 @@ def _cell(value: str | int | float | None) -> str:
     if isinstance(value, float):
         return f"{value:,.0f}" if abs(value) >= 1000 else f"{value:.4g}"
     return f"{value:,}" if isinstance(value, int) else value
-
-
-def _write_json(file: Path, results: dict[str, Result]) -> None:
-    told = {name: result.as_dict() for name, result in results.items()}
-    text = json.dumps({"versions": find_versions(), "benchmarks": told}, indent=2)
-    with write_atomically(file) as part:
-        part.write_text(text + "\n", encoding="utf-8")

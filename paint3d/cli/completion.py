@@ -55,22 +55,22 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _commands(parser: Parser, words: tuple[str, ...], about: str) -> Iterator[_Command]:
-    found = []
+    known = []
     for action in parser.option_actions():
         choices, name = tuple(map(str, action.choices or ())), action.option_strings[-1]
         is_file = not choices
         choices = choices or _NAMES.get(name, ())
-        told = (action.help or "") % vars(action) if action.help else ""
+        about_it = (action.help or "") % vars(action) if action.help else ""
         for name in action.option_strings:
-            found.append(_Option(name, choices, action.nargs != 0, _in_short(told), is_file))
+            known.append(_Option(name, choices, action.nargs != 0, _in_short(about_it), is_file))
     below = parser.actions()
-    yield _Command(words, _in_short(about), tuple(found), tuple(below))
+    yield _Command(words, _in_short(about), tuple(known), tuple(below))
     for name, one in below.items():
         yield from _commands(one, (*words, name), one.description or "")
 
 
 def _in_short(text: str) -> str:
-    """The beginning of a text, as shells can quote it."""
+    """Return the beginning of a text, as shells can quote it."""
     first = text.strip().split("\n\n")[0].split("; ")[0].split(" (default")[0]
     return " ".join(first.split()).rstrip(".")
 

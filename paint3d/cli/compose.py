@@ -82,7 +82,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def _parse_piece(text: str) -> dict[str, str]:
-    """A piece as JSON: columns and their cells."""
+    """Parse a piece as JSON: columns and their cells."""
     try:
         piece = json.loads(text)
     except ValueError:
@@ -140,14 +140,14 @@ def run(options: argparse.Namespace) -> None:
 
 
 def _pieces(options: argparse.Namespace) -> list[tuple[str, argparse.Namespace]]:
-    """Each piece with what errors call it, as `write` or `seal` would be asked for it.
+    """Return each piece with its name for errors, as options of `write` or `seal`.
 
     Raises
     ------
     InputError
         If there is none, or one cannot be used.
     """
-    found: list[tuple[str, Mapping[str, str]]] = []
+    named: list[tuple[str, Mapping[str, str]]] = []
     if options.table is not None:
         header, rows = read_cells(options.table)
         check_columns(f"{options.table}:1", header, piece_columns())
@@ -160,13 +160,13 @@ def _pieces(options: argparse.Namespace) -> list[tuple[str, argparse.Namespace]]
                     n=len(cells),
                     header=len(header),
                 )
-            found.append((f"{options.table}:{line}", dict(zip(header, cells, strict=True))))
+            named.append((f"{options.table}:{line}", dict(zip(header, cells, strict=True))))
     for number, piece in enumerate(options.piece, 1):
         check_columns(f"piece {number}", list(piece), piece_columns())
-        found.append((f"piece {number}", piece))
-    if not found:
+        named.append((f"piece {number}", piece))
+    if not named:
         raise InputError("there is nothing to paint; expected TABLE.csv or --piece JSON")
-    return [(name, _asked(name, piece, quiet=options.quiet)) for name, piece in found]
+    return [(name, _asked(name, piece, quiet=options.quiet)) for name, piece in named]
 
 
 def _asked(name: str, piece: Mapping[str, str], *, quiet: bool) -> argparse.Namespace:
@@ -216,7 +216,7 @@ def _asked(name: str, piece: Mapping[str, str], *, quiet: bool) -> argparse.Name
 
 
 def _files(piece: argparse.Namespace) -> list[str | Path | None]:
-    """The files that a piece is read from."""
+    """Return the files that a piece is read from."""
     own = PaintingOptions.of(piece).files()[1:]
     return [*own, piece.svg, piece.font, getattr(piece, "strokes", None)]
 
@@ -224,12 +224,12 @@ def _files(piece: argparse.Namespace) -> list[str | Path | None]:
 def _paint(
     document: Document, name: str, piece: argparse.Namespace, seconds: dict[str, float]
 ) -> dict[str, object]:
-    """Paint a piece, and tell what of it lies over what was painted before."""
+    """Paint a piece, and warn of what lies over earlier paint."""
     take_layer(document, piece.layer)
     if "coats" in piece:
         before = Before.of(document)
-        told = seal.press(document, piece)
-        counts: dict[str, object] = {"seal": told}
+        summary = seal.press(document, piece)
+        counts: dict[str, object] = {"seal": summary}
         over = fraction_over(document, before)
     else:
         wanted = PaintingOptions.of(piece)

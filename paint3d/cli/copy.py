@@ -141,7 +141,7 @@ def run(options: argparse.Namespace) -> None:
     if options.beside is not None:
         check_output_file(options.beside, _PICTURES)
     wanted.check()
-    sheet = _copied(options)
+    sheet = _read_sheet(options)
     check_widths(sheet.page, settings_of(options).brush, options.size, wanted.resolution)
     page = sheet.page if options.dryness == "photo" else sheet.wet_page
     trials = TRIALS if options.rehearsals is None else options.rehearsals
@@ -157,8 +157,8 @@ def run(options: argparse.Namespace) -> None:
         show_beside(sheet, written, painting, options)
 
 
-def _copied(options: argparse.Namespace) -> CopiedSheet:
-    """The strokes on the photographed sheet."""
+def _read_sheet(options: argparse.Namespace) -> CopiedSheet:
+    """Read the strokes of the photographed sheet."""
     from paint3d.calligraphy.photo.copying import copy_sheet
     from paint3d.files.photographs import load_photograph
 
@@ -175,7 +175,7 @@ def _copied(options: argparse.Namespace) -> CopiedSheet:
 
 
 def _asked(options: argparse.Namespace, scale: float) -> Asked:
-    """What the options say of a photograph of which each pixel shows `scale` of the file's."""
+    """Return the options of a photograph each of whose pixels shows `scale` of the file's."""
     import numpy as np
 
     from paint3d.calligraphy.photo.copying import Asked
@@ -196,7 +196,7 @@ def _asked(options: argparse.Namespace, scale: float) -> Asked:
 
 
 def _templates(text: str, folder: Path | None) -> dict[str, Glyph]:
-    """The characters of a text that are known."""
+    """Return the known characters of a text."""
     from paint3d.calligraphy.glyph_sources import open_glyphs
     from paint3d.calligraphy.kanjivg import find_kanjivg
 
@@ -216,7 +216,7 @@ _GAP = 24  # pixels between the two pictures
 def show_beside(
     sheet: CopiedSheet, written: Written, painting: Painting, options: argparse.Namespace
 ) -> None:
-    """Write the sheet and the painting side by side, and tell the figures.
+    """Write the sheet and the painting side by side, and print their likeness.
 
     Raises
     ------

@@ -64,15 +64,19 @@ def run(options: argparse.Namespace) -> None:
     if options.material not in (None, *MATERIALS):
         from paint3d.colour.materials import load_material
 
-        load_material(options.material)  # what is wrong with it is said before anything is made
-    _make_folder(options.out)
+        load_material(options.material)  # refused before anything is written
+    check_output_folder(options.out)
+    try:
+        options.out.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise ExportError("{folder}: {cause}", folder=options.out, cause=error) from None
     if not options.quiet:
         sys.stdout.write(f"painting the bowl, into {options.out}\n")
         sys.stdout.flush()
     from paint3d.brush.presets import load_brush
     from paint3d.calligraphy.dips import apply_dip_option
     from paint3d.colour.materials import load_material
-    from paint3d.files.load import load_mesh  # after something was said
+    from paint3d.files.load import load_mesh  # heavy, so after the first line of output
     from paint3d.recording.recording import load_recording
 
     with (
@@ -96,14 +100,6 @@ def run(options: argparse.Namespace) -> None:
         sys.stdout.writelines(f"{file}\n" for file in [*written, options.out / "report.json"])
     if not options.no_view:
         _show(options.out / _PICTURE)
-
-
-def _make_folder(folder: Path) -> None:
-    check_output_folder(folder)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise ExportError("{folder}: {cause}", folder=folder, cause=error) from None
 
 
 def _show(picture: Path) -> None:

@@ -53,7 +53,7 @@ __all__ = [
 ]
 
 # ---- Opening -------------------------------------------------------------------------------------
-# What a command reads: HID devices, and a stylus that is reached by a library or a service.
+# HID devices, and a stylus that is reached by a library or a service.
 
 
 _NOTHING = "no 6-DOF mouse, stylus or pen tablet is plugged in"
@@ -63,7 +63,7 @@ Log = Callable[[HidNode, bytes, int, bytes], None]
 
 
 class OpenedDevices(PluggedDevices):
-    """Everything that is there and was chosen, read as the user's settings say.
+    """The chosen devices that are plugged in, read by the user's settings.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ class OpenedDevices(PluggedDevices):
     Raises
     ------
     DeviceError
-        If what was chosen is not there, or nothing is, or nothing could be opened.
+        If no device is there, not the chosen one, or none could be opened.
     """
 
     def __init__(self, stylus: str = "auto", log: Log | None = None) -> None:
@@ -91,13 +91,16 @@ class OpenedDevices(PluggedDevices):
             sys.stderr.write(f"{problem}\n")
         self.mouse = MouseSettings.from_words(settings.mouse)
         self.reader: PortReader | None = None
-        self._found: FoundStylus | None = None
+        self._other: FoundStylus | None = None  # reached by a library or a service
         kinds = _OPENED_KINDS.get(stylus, ("mouse",))
         if stylus == "hid":
             find_stylus("hid")
         super().__init__(lambda: list_nodes(kinds), log=log, deflection=self.mouse.deflection())
         try:
-            self._read_other(stylus)
+            if stylus not in ("hid", "none") and not (stylus == "auto" and self.styli()):
+                other = find_stylus(stylus)
+                if other is not None and not isinstance(other.port, HidForcePort):
+                    self._other, self.reader = other, PortReader(other.port, other.name)
         except BaseException:
             self.stop()
             raise
@@ -106,42 +109,35 @@ class OpenedDevices(PluggedDevices):
             self.stop()
             raise DeviceError(failures[0] if failures else _NOTHING)
 
-    def _read_other(self, stylus: str) -> None:
-        if stylus in ("hid", "none") or (stylus == "auto" and self.styli()):
-            return
-        found = find_stylus(stylus)
-        if found is not None and not isinstance(found.port, HidForcePort):
-            self._found, self.reader = found, PortReader(found.port, found.name)
-
     def names(self) -> list[str]:
-        """Of what is open."""
+        """Return the names of the open devices."""
         others = [] if self.reader is None else [self.reader.name]
         return [node.name for node in self.nodes()] + others
 
     def take_stylus(self) -> list[StylusReading]:
-        """Readings of all styli, in the order of their times."""
+        """Return readings of all styli, in the order of their times."""
         others = [] if self.reader is None else self.reader.take()
         return sorted([*super().take_stylus(), *others], key=lambda reading: reading.time_ns)
 
     def key(self) -> str:
-        """Which stylus or pen it is: the first that is open.
+        """Return the key of the first stylus or pen that is open.
 
         Raises
         ------
         DeviceError
             If there is none.
         """
-        if self._found is not None:
-            return self._found.key
+        if self._other is not None:
+            return self._other.key
         for node in self.nodes():
             if node.kind != "mouse":
                 return key_of_node(node)
         raise DeviceError("no stylus or pen tablet is open; expected one for the right hand")
 
     def calibration(self) -> DeviceCalibration:
-        """Where the stylus stands in the world: as it was calibrated, else its own axes."""
-        frame = DeviceCalibration() if self._found is None else self._found.frame
-        if self._found is None and all(node.kind == "mouse" for node in self.nodes()):
+        """Return the stylus's frame in the world: as it was calibrated, else its own axes."""
+        frame = DeviceCalibration() if self._other is None else self._other.frame
+        if self._other is None and all(node.kind == "mouse" for node in self.nodes()):
             return frame
         return stored_calibration(self.key()) or frame
 
@@ -153,7 +149,7 @@ class OpenedDevices(PluggedDevices):
 
 
 # ---- Calibration ---------------------------------------------------------------------------------
-# `paint3d devices calibrate`: touch known points, see the error, keep where the stylus stands.
+# `paint3d devices calibrate`: touch known points, print the error, save the stylus's frame.
 
 
 _CORNERS = ("near left corner", "near right corner", "far right corner", "far left corner")
@@ -162,12 +158,12 @@ _PATIENCE_S = 600.0
 
 
 def _parse_sheet(text: str) -> tuple[float, float]:
-    found = re.fullmatch(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)", text)
-    if found is None or not all(20.0 <= float(side) <= 2000.0 for side in found.groups()):
+    match = re.fullmatch(r"(\d+(?:\.\d+)?)x(\d+(?:\.\d+)?)", text)
+    if match is None or not all(20.0 <= float(side) <= 2000.0 for side in match.groups()):
         raise argparse.ArgumentTypeError(
             f"{text!r} is no sheet; expected WIDTHxDEPTH in mm, each 20 to 2000, such as 210x148"
         )
-    return float(found[1]), float(found[2])
+    return float(match[1]), float(match[2])
 
 
 def _parse_point(text: str) -> tuple[float, ...]:
@@ -207,7 +203,7 @@ def add_calibrate(parser: argparse.ArgumentParser) -> None:
 
 
 def calibrate(options: argparse.Namespace) -> None:
-    """Have the points touched, fit the device's frame, keep it.
+    """Ask for touches of the points, fit the device's frame, save it.
 
     Raises
     ------
@@ -246,7 +242,12 @@ def calibrate(options: argparse.Namespace) -> None:
 def _touch_all(devices: OpenedDevices, touches: Touches, names: list[str]) -> None:
     """Ask for point after point, until all were touched: by a button of the stylus, or Enter."""
     end = time.monotonic() + _PATIENCE_S
-    asked, typed = -1, _can_type()
+    asked, typed = -1, sys.stdin is not None
+    if typed:
+        try:  # it may be closed, or nothing that can be waited for
+            select.select([sys.stdin], [], [], 0.0)
+        except (OSError, ValueError):
+            typed = False
     while not touches.is_done:
         n = len(touches.touched)
         if n != asked:
@@ -278,18 +279,8 @@ def _touch_all(devices: OpenedDevices, touches: Touches, names: list[str]) -> No
             raise DeviceError(devices.reader.gone)
 
 
-def _can_type() -> bool:
-    if sys.stdin is None:
-        return False
-    try:
-        select.select([sys.stdin], [], [], 0.0)
-    except (OSError, ValueError):
-        return False
-    return True
-
-
 # ---- Settings ------------------------------------------------------------------------------------
-# `paint3d devices set`: how the hands' devices are read, kept for the studio and for recording.
+# `paint3d devices set`: settings of the hands' devices, for the studio and for recording.
 
 
 _ON = {"on": True, "off": False}
@@ -308,7 +299,7 @@ def _number(most: float, least: float = 0.0) -> Any:
 def _parse_axes(text: str) -> tuple[str, ...]:
     from paint3d.pose.mouse_settings import parse_axes
 
-    axes: tuple[str, ...] = _told(lambda: parse_axes(text))
+    axes: tuple[str, ...] = _as_argument_error(lambda: parse_axes(text))
     return axes
 
 
@@ -321,11 +312,11 @@ def _parse_button(text: str) -> tuple[int, str]:
             f"{text!r} is no button; expected N=ACTION with N from 1 to 31, or N= for nothing"
         )
     if action:
-        _told(lambda: checked_actions({int(number) - 1: action}))
+        _as_argument_error(lambda: checked_actions({int(number) - 1: action}))
     return int(number) - 1, action
 
 
-def _told(parse: Any) -> Any:
+def _as_argument_error(parse: Any) -> Any:
     try:
         return parse()
     except Paint3DError as cause:
@@ -337,8 +328,8 @@ def add_set(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--mouse-mode", choices=("object", "camera"), help="whether the cap is the object or you"
     )
-    for option, name, what, most, told in _NUMBERS:
-        parser.add_argument(option, dest=name, metavar=what, type=_number(most), help=told)
+    for option, name, what, most, about in _NUMBERS:
+        parser.add_argument(option, dest=name, metavar=what, type=_number(most), help=about)
     parser.add_argument(
         "--mouse-curve",
         dest="curve",
@@ -357,12 +348,12 @@ def add_set(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--mouse-zoom", dest="zoom_axis", choices=("y", "z"), help="pushed or lifted comes near"
     )
-    for option, name, told in (
+    for option, name, about in (
         ("--mouse-moves", "moving", "whether it moves the object"),
         ("--mouse-turns", "turning", "whether it turns it"),
         ("--mouse-one-axis", "dominant_axis", "follow only the axis that is deflected most"),
     ):
-        parser.add_argument(option, dest=name, choices=tuple(_ON), help=told)
+        parser.add_argument(option, dest=name, choices=tuple(_ON), help=about)
     parser.add_argument(
         "--mouse-button",
         dest="buttons",
@@ -409,7 +400,7 @@ def _add_stylus(parser: argparse.ArgumentParser) -> None:
 
 
 def set_devices(options: argparse.Namespace) -> None:
-    """Keep what was said, and say all of it.
+    """Save the options as settings, and print all settings.
 
     Raises
     ------
@@ -432,9 +423,9 @@ def set_devices(options: argparse.Namespace) -> None:
             settings, mouse={}, feel={}, stylus="auto", buttons=dict(DEFAULT_ACTIONS)
         )
     mouse = dataclasses.replace(
-        MouseSettings.from_words(settings.mouse), **_said(options, MouseSettings)
+        MouseSettings.from_words(settings.mouse), **_chosen(options, MouseSettings)
     )
-    feel = dataclasses.replace(Feel.from_words(settings.feel), **_said(options, Feel))
+    feel = dataclasses.replace(Feel.from_words(settings.feel), **_chosen(options, Feel))
     buttons = {**settings.buttons, **dict(options.buttons or ())}
     settings = dataclasses.replace(
         settings,
@@ -448,23 +439,25 @@ def set_devices(options: argparse.Namespace) -> None:
     _show(mouse.as_words(), settings.buttons, {"stylus": settings.stylus, **feel.as_words()})
 
 
-def _said(options: argparse.Namespace, kind: type) -> dict[str, Any]:
-    """What was said of these choices."""
+def _chosen(options: argparse.Namespace, kind: type) -> dict[str, Any]:
+    """Return the options that were given for the fields of a class."""
     import dataclasses
 
-    found = {"mode": options.mouse_mode}
+    given = {"mode": options.mouse_mode}
     for own in dataclasses.fields(kind):
-        found.setdefault(own.name, getattr(options, own.name, None))
+        given.setdefault(own.name, getattr(options, own.name, None))
     words = {name: _ON.get(value, value) if isinstance(value, str) else value
-             for name, value in found.items()}  # fmt: skip
+             for name, value in given.items()}  # fmt: skip
     known = {own.name for own in dataclasses.fields(kind)}
     return {name: value for name, value in words.items() if value is not None and name in known}
 
 
 def _show(mouse: Mapping[str, Any], buttons: Mapping[int, str], feel: Mapping[str, Any]) -> None:
     for name, value in mouse.items():
-        told = ",".join(value) if isinstance(value, list) else value
-        sys.stdout.write(f"mouse {name}: {round(told, 3) if isinstance(told, float) else told}\n")
+        shown = ",".join(value) if isinstance(value, list) else value
+        sys.stdout.write(
+            f"mouse {name}: {round(shown, 3) if isinstance(shown, float) else shown}\n"
+        )
     for number, action in sorted(buttons.items()):
         sys.stdout.write(f"mouse button {number + 1}: {action}\n")
     for name, value in feel.items():
@@ -481,7 +474,7 @@ paint3d devices record strokes.jsonl.gz
 _KINDS = {"mouse": "6-DOF mouse", "stylus": "haptic stylus", "pen": "pen tablet"}
 _LINES_HZ = 10.0
 _TAKE_S = 0.02
-_SETTLED_NS = 2_000_000  # what was measured so long ago has been read
+_SETTLED_NS = 2_000_000  # older reports have been read
 _LONGEST_S = 24 * 3600.0
 _SUFFIXES = (".jsonl", ".jsonl.gz", ".csv", ".csv.gz")
 
@@ -575,9 +568,9 @@ def _list(options: argparse.Namespace) -> None:
 
     nodes, choice = list_nodes(), options.stylus or "auto"
     by_hid = choice == "auto" and any(node.kind == "stylus" for node in nodes)
-    found = None if by_hid else find_stylus(choice)
-    if found is not None and found.kind != "hid":
-        sys.stdout.write(f"{found.name}, haptic stylus, {found.limits.max_force:g} N: ready\n")
+    other = None if by_hid else find_stylus(choice)
+    if other is not None and other.kind != "hid":
+        sys.stdout.write(f"{other.name}, haptic stylus, {other.limits.max_force:g} N: ready\n")
     elif not nodes:
         sys.stdout.write("no 6-DOF mouse, stylus or pen tablet is plugged in\n")
     for node in nodes:
@@ -589,7 +582,7 @@ def _list(options: argparse.Namespace) -> None:
 
 
 def _state(node: HidNode) -> str:
-    """Whether a node can be opened, found out by opening it."""
+    """Return "ready" for a node that can be opened, else why not."""
     from paint3d.device.hid_link import open_node
 
     try:
@@ -628,22 +621,22 @@ def _mouse_values(devices: OpenedDevices) -> list[str]:
 
 def _stylus_values(devices: OpenedDevices) -> list[str]:
     lines = []
-    heard = [(stylus.loop.link.name, stylus.take()) for stylus in devices.styli()]
+    readings_by_name = [(stylus.loop.link.name, stylus.take()) for stylus in devices.styli()]
     if devices.reader is not None:
         if devices.reader.gone is not None:
             lines.append(devices.reader.gone)
         else:
-            heard.append((devices.reader.name, devices.reader.take()))
-    for name, readings in heard:
+            readings_by_name.append((devices.reader.name, devices.reader.take()))
+    for name, readings in readings_by_name:
         if not readings:
             lines.append(f"{name} silent")
             continue
         last = readings[-1]
-        place = " ".join(f"{value:+8.2f}" for value in last.position)
+        position = " ".join(f"{value:+8.2f}" for value in last.position)
         turn = " ".join(f"{value:+.3f}" for value in last.orientation)
         force = "" if last.pressure is None else f" pressure {last.pressure:.2f}"
         lines.append(
-            f"{name} {place} mm, {turn}{force} buttons {last.buttons:b}"
+            f"{name} {position} mm, {turn}{force} buttons {last.buttons:b}"
             f"{'' if last.in_range else ' out of range'}"
         )
     return lines
@@ -653,10 +646,10 @@ def _stylus_values(devices: OpenedDevices) -> list[str]:
 
 
 def _check(options: argparse.Namespace) -> None:
-    heard: dict[str, tuple[HidNode, list[tuple[int, bytes]]]] = {}
+    reports_by_path: dict[str, tuple[HidNode, list[tuple[int, bytes]]]] = {}
 
     def keep(node: HidNode, _: bytes, time_ns: int, report: bytes) -> None:
-        heard.setdefault(node.path, (node, []))[1].append((time_ns, report))
+        reports_by_path.setdefault(node.path, (node, []))[1].append((time_ns, report))
 
     devices = _plug_in(options.stylus, keep)
     times: list[int] = []
@@ -665,10 +658,15 @@ def _check(options: argparse.Namespace) -> None:
             devices.take_mouse()
             times += [reading.time_ns for reading in devices.take_stylus()]
         for node in devices.nodes():
-            heard.setdefault(node.path, (node, []))
-        lines = [_rate_of(*found) for _, found in sorted(heard.items())]
+            reports_by_path.setdefault(node.path, (node, []))
+        lines = [_rate_of(*entry) for _, entry in sorted(reports_by_path.items())]
         if devices.reader is not None:
-            lines += [*_rate_at(devices.reader.name, times), *_state_of(devices.reader)]
+            reader = devices.reader
+            lines += _rate_at(reader.name, times)
+            if reader.n_refused:
+                lines.append(f"{reader.name}: {reader.n_refused} reports refused")
+            if reader.gone is not None:
+                lines.append(reader.gone)
         lines += [line for stylus in devices.styli() for line in _health_of(stylus)]
         lines += [line for mouse in devices.mice() for line in _health_of(mouse)]
     finally:
@@ -687,12 +685,6 @@ def _rate_at(name: str, times: list[int]) -> list[str]:
         f"{rate.interval_p50_ms:.2f} ms, p99 {rate.interval_p99_ms:.2f}, "
         f"longest {rate.longest_ms:.2f}, pauses {rate.pauses}"
     ]
-
-
-def _state_of(reader: PortReader) -> list[str]:
-    refused = f"{reader.name}: {reader.n_refused} reports refused"
-    gone = [] if reader.gone is None else [reader.gone]
-    return [refused] * bool(reader.n_refused) + gone
 
 
 def _rate_of(node: HidNode, reports: list[tuple[int, bytes]]) -> str:
@@ -727,7 +719,7 @@ def _health_of(device: Any) -> list[str]:
 
 
 def _time_writing(stylus: Any) -> float:
-    """p99 of 100 force reports of zero, ms."""
+    """Return the p99 of the time to send a force of zero, of 100 reports, ms."""
     from paint3d.device.force.haptic_stylus import encode_force
 
     spent = []
@@ -835,13 +827,13 @@ def _save(samples: list[DeviceSample], names: list[str], file: Path) -> None:
 def _plug_in(
     stylus: str | None, log: Callable[[HidNode, bytes, int, bytes], None] | None = None
 ) -> OpenedDevices:
-    """Open what is there and was chosen; see `OpenedDevices`."""
+    """Open the chosen devices; see `OpenedDevices`."""
 
     return OpenedDevices(stylus or "auto", log)
 
 
 def rounds(seconds: float | None, pause_s: float) -> Iterator[None]:
-    """Once every `pause_s`, for so long or until Ctrl-C, or `kill`, which cuts no round short."""
+    """Yield every `pause_s`, for so long or until Ctrl-C or `kill`, which cut no round short."""
     end = None if seconds is None else time.monotonic() + seconds
     over: list[bool] = []
     with signals_handled_by(lambda _: over.append(True)):

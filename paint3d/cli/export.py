@@ -158,7 +158,7 @@ def run(options: argparse.Namespace) -> None:
 def _write_page(
     painting: Session | TriangleMesh, file: Path, wishes: ExportOptions, progress: Progress | None
 ) -> str | None:
-    """Write a page that paints; why it cannot, where it cannot."""
+    """Write a page that paints; return None, or why it cannot paint."""
     from paint3d.errors import ExportError, InputError
     from paint3d.files.export_options import ExportOptions
     from paint3d.files.progress import part_of
@@ -173,7 +173,7 @@ def _write_page(
     try:
         folder.check_built(folder.BUILT, folder.KERNELS)
     except ExportError as cause:
-        what = str(cause).partition(":")[0]  # without names of folders, for whoever gets the page
+        what = str(cause).partition(":")[0]  # without paths, as the page may be passed on
         return f"{what} ({cause.hint})"
     try:
         score = page_score(painting, part_of(progress, 0.0, 0.5))

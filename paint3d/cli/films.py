@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 __all__ = ["FilmWanted", "Watch", "add_film_options", "film_of"]
 
 _SUFFIXES = (".mp4", ".gif", ".webp")
-_LONGEST_S = 20.0  # that a film lasts where no speed is told
+_LONGEST_S = 20.0  # length of a film without --speed
 _RATES = {".mp4": 24.0}
 _RATE = 12.0
 _MOST_PICTURES = 20_000
@@ -32,7 +32,7 @@ _OF_FILMS = ("fps", "speed", "turn", "view", "light", "zoom", "pixels")
 
 
 def add_film_options(parser: argparse.ArgumentParser) -> None:
-    """Add ``--film`` and how it is to be."""
+    """Add ``--film`` and the options of films."""
     film = group_of(parser, FILM)
     film.add_argument(
         "--film",
@@ -62,7 +62,7 @@ def add_film_options(parser: argparse.ArgumentParser) -> None:
 
 
 def _parse_turn(text: str) -> tuple[float, bool]:
-    """Seconds or degrees, and whether it is degrees."""
+    """Parse seconds or degrees; return the number, and whether it is degrees."""
     in_degrees = text.lower().endswith("deg")
     number = parse_number(
         text[:-3] if in_degrees else text.removesuffix("s"),
@@ -75,7 +75,7 @@ def _parse_turn(text: str) -> tuple[float, bool]:
 
 @dataclass(frozen=True, eq=False)
 class FilmWanted:
-    """A film that was asked for, and what it is to be like."""
+    """The options of a film."""
 
     file: Path
     rate: float
@@ -95,7 +95,7 @@ class FilmWanted:
         return self.begun(surface, clock.seconds + (rest_s or 0.0))
 
     def begun(self, surface: PaintedSurface, seconds: float) -> Watch:
-        """Watch a painting that takes so many seconds of the hand's time.
+        """Watch a painting that takes `seconds` of the hand's time.
 
         Raises
         ------
@@ -119,7 +119,7 @@ class FilmWanted:
         return Watch(self, Growth(surface, speed / self.rate), speed / self.rate)
 
     def filmed(self, n_pictures: int) -> Filmed:
-        """How it is to be if it has so many pictures, without those of the finished painting."""
+        """Return its settings for so many pictures, not counting those of the finished painting."""
         from paint3d.files.pictures import Filmed
 
         filmed = Filmed(self.rate)
@@ -132,7 +132,7 @@ class FilmWanted:
 
 
 class Watch:
-    """Sees how a painting grows, and writes the film of it.
+    """Records how a painting grows, and writes the film of it.
 
     Attributes
     ----------
@@ -145,7 +145,7 @@ class Watch:
         self._seconds = 0.0
 
     def at(self, seconds: float) -> None:
-        """See what is there so long after the beginning, by the hand's time."""
+        """Record the painting at a time since the beginning, by the hand's time."""
         self._seconds = max(seconds, self._seconds)
         self._growth.at(self._seconds)
 
@@ -155,7 +155,7 @@ class Watch:
         rest_s: float | None,
         progress: Callable[[float], None],
     ) -> Callable[[float], None]:
-        """A progress for `Painter.replay` that watches and tells another one."""
+        """Return a progress callback for `Painter.replay` that records, and calls another one."""
         from paint3d.painter.ink_time import PIECE_S
         from paint3d.recording.recording import HandTime
 
@@ -163,35 +163,35 @@ class Watch:
         when = HandTime(in_full=wet).pass_samples(recording.time_ns)
         before = -1
 
-        def told(share: float) -> None:
+        def report(fraction: float) -> None:
             nonlocal before
-            k = min(max(round(share * n) - 1, 0), n - 1)
+            k = min(max(round(fraction * n) - 1, 0), n - 1)
             if k > before:
                 self.at(float(when[k if wet else min(k + 1, n - 1)]))
             else:  # ink spreads
                 self.at(self._seconds + PIECE_S)
             before = k
-            progress(share)
+            progress(fraction)
 
-        return told
+        return report
 
     def resting(self, progress: Callable[[float], None]) -> Callable[[float], None]:
-        """A progress for `Painter.rest` that watches and tells another one."""
+        """Return a progress callback for `Painter.rest` that records, and calls another one."""
         from paint3d.painter.ink_time import PIECE_S
 
         before = 0.0
 
-        def told(share: float) -> None:
+        def report(fraction: float) -> None:
             nonlocal before
-            if share > before:  # else the ink's time stands still
+            if fraction > before:  # else the ink's time stands still
                 self.at(self._seconds + PIECE_S)
-            before = share
-            progress(share)
+            before = fraction
+            progress(fraction)
 
-        return told
+        return report
 
     def write(self) -> int:
-        """Write the film; how many pictures it has.
+        """Write the film; return its number of pictures.
 
         Raises
         ------
@@ -208,7 +208,7 @@ class Watch:
 
 
 def film_of(options: argparse.Namespace) -> FilmWanted | None:
-    """The film that the options of `add_film_options` ask for.
+    """Return the film that the options of `add_film_options` ask for.
 
     Raises
     ------

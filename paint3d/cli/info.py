@@ -30,9 +30,9 @@ paint3d info poem.p3d
 _HEIGHTS = (0.95, 0.75, 0.5, 0.25, 0.05)
 _AROUND = 180
 _LEVELS = (0.05, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95)
-_BINS, _GAP = 50, 3  # parts of the way round, and how many between two of one handle
+_BINS, _GAP = 50, 3  # parts of a full turn, and how many may lie between two of one handle
 _PROBED_MM = 20.0  # the usual size of a character
-_MOST_SHARE_OF_BARE = 0.1  # of a ring: more is a gap, or a handle that hides much
+_MOST_BARE = 0.1  # of a ring: more is a gap, or a handle that hides much
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,7 +43,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Write what there is to say to stdout.
+    """Print the object's size and sides.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> None:
 
 
 def info_lines(surface: ClosestPoints) -> Iterator[str]:
-    """Lines that tell an object's size, and its sides in mm."""
+    """Yield lines on an object's size, and its sides in mm."""
     from paint3d.mesh.placement import is_flat
     from paint3d.mesh.sheet_mesh import sheet_of
 
@@ -97,16 +97,16 @@ def info_lines(surface: ClosestPoints) -> Iterator[str]:
 
 
 def _around(surface: ClosestPoints, side: str) -> Iterator[str]:
-    """What U and V are on a side that goes around a body; nothing where it has none."""
+    """Yield lines on U and V of a side that goes around a body; none without it."""
     from paint3d.mesh.placement import ring
 
     low, high = surface.mesh.bounds[:, 2].tolist()
     rows = []
     for v in _HEIGHTS:
         points = ring(surface, v, side, _AROUND)
-        length, bare = _length(points)
+        length, bare = _ring_length(points)
         if math.isfinite(length):
-            girth = f"{length:8.0f}" if bare <= _MOST_SHARE_OF_BARE else f"{length:8.0f}*"
+            girth = f"{length:8.0f}" if bare <= _MOST_BARE else f"{length:8.0f}*"
             rows.append((v, low + v * (high - low), girth, 0.1 * length))
     if not rows:
         return
@@ -124,7 +124,7 @@ def _around(surface: ClosestPoints, side: str) -> Iterator[str]:
 
 
 def _in_the_way(surface: ClosestPoints) -> Iterator[str]:
-    """What of an object leaves no room for a brush of the usual size, part by part."""
+    """Yield a line for each part of an object that leaves no room for the usual brush."""
     import numpy as np
 
     from paint3d.brush.presets import brush_for
@@ -154,7 +154,7 @@ def _in_the_way(surface: ClosestPoints) -> Iterator[str]:
 
 
 def _runs_round(crowded: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Where runs of a ring begin and how long they are, over small gaps; none all round."""
+    """Return starts and lengths of a ring's runs, over small gaps; none if all round."""
     import numpy as np
 
     n = len(crowded)
@@ -169,19 +169,19 @@ def _runs_round(crowded: NDArray[np.bool_]) -> list[tuple[int, int]]:
     return [((start + a) % n, b - a - _GAP) for a, b in edges.tolist()]
 
 
-def _length(points: AnyArray) -> tuple[float, float]:
-    """Length of a ring (N, 3) where there is any, mm, and the fraction of it that is bare."""
+def _ring_length(points: AnyArray) -> tuple[float, float]:
+    """Return the length of a ring (N, 3), mm, NaN without one, and its missing fraction."""
     import numpy as np
 
-    there = np.isfinite(points[:, 0])
-    if there.sum() < 3:
+    known = np.isfinite(points[:, 0])
+    if known.sum() < 3:
         return math.nan, 1.0
-    steps = np.linalg.norm(np.roll(points[there], -1, axis=0) - points[there], axis=1)
-    return float(steps.sum()), 1.0 - float(there.mean())
+    steps = np.linalg.norm(np.roll(points[known], -1, axis=0) - points[known], axis=1)
+    return float(steps.sum()), 1.0 - float(known.mean())
 
 
 def _flat(surface: ClosestPoints, side: str) -> Iterator[str]:
-    """What U and V are on a side that is looked at from above or below; nothing without one."""
+    """Yield lines on U and V of a side seen from above or below; none without it."""
     from paint3d.errors import MeshError
     from paint3d.mesh.bvh import ClosestPoints
     from paint3d.mesh.placement import place
@@ -204,7 +204,7 @@ def _flat(surface: ClosestPoints, side: str) -> Iterator[str]:
 
 
 def _painted(surface: PaintedSurface) -> Iterator[str]:
-    """What a painting is made of, and where its paint is."""
+    """Yield lines on a painting's material, and its paint's bounds."""
     import numpy as np
 
     yield ""

@@ -79,7 +79,7 @@ paint3d write 永和九年 --on vase --size 60 --out vase.glb
 paint3d COMMAND --help
 """
 _ALIASES = {"studio": "paint"}
-_BY_ITSELF = "paint"  # ends at once when asked to: what was painted is kept, and offered again
+_BY_ITSELF = "paint"  # ends at once on a signal: the painting is recovered at the next start
 _FAILED = 2
 _INTERRUPTED = 130
 _AGAIN_S = 0.01  # after an interrupt that was dropped
@@ -96,7 +96,7 @@ class _Version(argparse.Action):
 
 
 def make_parser(asked: str | None = None) -> Parser:
-    """The parser of the command line.
+    """Return the parser of the command line.
 
     Parameters
     ----------
@@ -123,54 +123,50 @@ def make_parser(asked: str | None = None) -> Parser:
     return parser
 
 
-def _tell_error(message: str) -> None:
+def _print_error(message: str) -> None:
     """Write an error to stderr, in one line, if anybody can read it."""
     line = " ".join(message.split())
     try:
         sys.stderr.write(f"paint3d: error: {line}\n")
-    except OSError:  # a pipe that nobody reads, a terminal that is gone; the status tells
+    except OSError:  # a pipe that nobody reads, a terminal that is gone; the exit status remains
         discard_output(sys.stderr)
 
 
 def _report_failure(message: str) -> int:
-    _tell_error(message)
+    _print_error(message)
     return _FAILED
 
 
-def _tell_warnings(*, quiet: bool) -> None:
-    """Write what the library warns of to stderr, a line each; nothing with ``--quiet``."""
+def _print_warnings(*, quiet: bool) -> None:
+    """Print the library's warnings to stderr, a line each; none with ``--quiet``."""
     log = logging.getLogger("paint3d")
     log.propagate = False
     log.handlers = [logging.NullHandler() if quiet else logging.StreamHandler()]
     log.handlers[0].setFormatter(logging.Formatter("paint3d: note: %(message)s"))
 
 
-def _describe_os_error(error: OSError) -> str:
-    reason = error.strerror or str(error) or type(error).__name__
-    return f"{error.filename}: {reason}" if error.filename else reason
-
-
 def _run(words: Sequence[str]) -> int:
     try:
         options = make_parser(words[0] if words else "").parse_args(words or ["--help"])
-        _tell_warnings(quiet=getattr(options, "quiet", False))
+        _print_warnings(quiet=getattr(options, "quiet", False))
         options.run(options)
         sys.stdout.flush()
     except (UsageError, Paint3DError) as error:
         return _report_failure(str(error))
-    except BrokenPipeError:  # the reader of our output has gone: nobody to tell
+    except BrokenPipeError:  # the reader of our output has gone
         discard_output(sys.stdout)
     except OSError as error:
-        return _report_failure(_describe_os_error(error))
+        reason = error.strerror or str(error) or type(error).__name__
+        return _report_failure(f"{error.filename}: {reason}" if error.filename else reason)
     except MemoryError:
         return _report_failure("out of memory; try a coarser --resolution or a smaller mesh")
     return 0
 
 
-def _tell_any_name() -> None:
-    """Let file names that are no UTF-8 go out as the bytes they are, and never fail to be told."""
+def _print_any_name() -> None:
+    """Print file names that are no UTF-8 as their bytes, so that printing never fails."""
 
-    def told(error: UnicodeError) -> tuple[str | bytes, int]:
+    def encode(error: UnicodeError) -> tuple[str | bytes, int]:
         if not isinstance(error, UnicodeEncodeError):
             raise error
         code, after = ord(error.object[error.start]), error.start + 1
@@ -178,17 +174,17 @@ def _tell_any_name() -> None:
             return bytes([code - 0xDC00]), after
         return error.object[error.start : after].encode("ascii", "backslashreplace"), after
 
-    codecs.register_error("paint3d", told)
+    codecs.register_error("paint3d", encode)
     for stream, errors in ((sys.stdout, "paint3d"), (sys.stderr, "backslashreplace")):
         if isinstance(stream, io.TextIOWrapper) and stream.errors == "strict":
             stream.reconfigure(errors=errors)
 
 
 @contextmanager
-def _hearing_interrupts() -> Iterator[None]:
-    """Interrupt once more where Python drops an interrupt meanwhile.
+def _repeating_interrupts() -> Iterator[None]:
+    """Interrupt again when Python has dropped an interrupt meanwhile.
 
-    It does so when one comes in a callback, such as an import or the end of an object makes.
+    It does so when one comes in a callback, as of an import or of an object's finalizer.
     """
     others, again = sys.unraisablehook, list[threading.Timer]()
 
@@ -210,7 +206,7 @@ def _hearing_interrupts() -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook = others
-        for one in again:  # nobody would hear it any more
+        for one in again:  # it would interrupt the caller
             one.cancel()
             one.join()
 
@@ -230,8 +226,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """
     for name in _ONE_THREAD:
         os.environ.setdefault(name, "1")
-    _tell_any_name()
-    atexit.register(gc.freeze)  # or the interpreter goes over all that is there as it ends: 50 ms
+    _print_any_name()
+    atexit.register(gc.freeze)  # or the interpreter collects all objects as it exits: 50 ms
     debug = os.environ.get("PAINT3D_DEBUG", "") not in ("", "0")
     if not debug and not sys.warnoptions:
         warnings.simplefilter("ignore")
@@ -240,11 +236,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words[:1] = [_ALIASES.get(word, word) for word in words[:1]]
     ends = Ends()
     try:
-        with _hearing_interrupts(), nullcontext() if words[:1] == [_BY_ITSELF] else ends:
+        with _repeating_interrupts(), nullcontext() if words[:1] == [_BY_ITSELF] else ends:
             return _run(words)
     except KeyboardInterrupt:
         remove_unfinished()
-        _tell_error("asked to end" if ends.status else "interrupted")
+        _print_error("asked to end" if ends.status else "interrupted")
         return ends.status or _INTERRUPTED
     except Exception as error:
         if debug:

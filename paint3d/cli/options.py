@@ -70,7 +70,7 @@ __all__ = [
 # ---- Parsing -------------------------------------------------------------------------------------
 
 
-_OTHER_WORDS = {  # by which commands are looked for
+_OTHER_WORDS = {  # that users try for commands
     "gui": "paint", "open": "paint", "render": "picture", "view": "picture",
     "film": "picture", "convert": "export", "text": "write", "stamp": "seal",
     "size": "info", "measure": "info", "inspect": "info",
@@ -83,10 +83,11 @@ class UsageError(Exception):
 
 
 class _Help(argparse.HelpFormatter):
-    """Fills paragraphs to the terminal's width; what is indented keeps its lines."""
+    """Fills paragraphs to the terminal's width; indented text keeps its lines."""
 
     def __init__(self, prog: str) -> None:
-        super().__init__(prog, max_help_position=26, width=min(_terminal_columns() - 2, 100))
+        columns = shutil.get_terminal_size((100, 24)).columns
+        super().__init__(prog, max_help_position=26, width=min(columns - 2, 100))
 
     def _fill_text(self, text: str, width: int, indent: str) -> str:
         paragraphs = text.strip("\n").split("\n\n")
@@ -98,14 +99,10 @@ class _Help(argparse.HelpFormatter):
         )  # fmt: skip
 
 
-def _terminal_columns() -> int:
-    return shutil.get_terminal_size((100, 24)).columns
-
-
 class Parser(argparse.ArgumentParser):
-    """An argument parser that raises `UsageError` with one line instead of printing its usage.
+    """An argument parser that raises `UsageError` of one line instead of printing its usage.
 
-    Options are spelt out. What is mistyped is answered with what is spelt most like it.
+    Options cannot be abbreviated. An error proposes the option nearest to a mistyped one.
 
     Parameters
     ----------
@@ -123,22 +120,22 @@ class Parser(argparse.ArgumentParser):
         self._words: Sequence[str] = ()
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse, remembering the words, in which an error looks for what is mistyped."""
+        """Parse, remembering the words, in which an error looks for mistyped ones."""
         self._words = sys.argv[1:] if args is None else list(args)
         return super().parse_known_args(args, namespace)
 
     def parse_args(self, args: Any = None, namespace: Any = None) -> Any:
-        """Parse; words that nothing takes are an error, told with the command they stand at."""
-        found, unknown = self.parse_known_args(args, namespace)
+        """Parse; unknown words are an error, which names the command they follow."""
+        parsed, unknown = self.parse_known_args(args, namespace)
         if unknown:
-            parser = self._chosen(found)
-            parser.error(f"unrecognized arguments: {' '.join(unknown)}{parser._meant(unknown)}")
-        return found
+            parser = self._chosen(parsed)
+            parser.error(f"unrecognized arguments: {' '.join(unknown)}{parser._hint_for(unknown)}")
+        return parsed
 
     def error(self, message: str) -> Never:
         """Refuse the command line."""
         if message.startswith("the following arguments are required"):
-            message += self._meant(self._words)  # a mistyped option is why one is missing
+            message += self._hint_for(self._words)  # a mistyped option is why one is missing
         raise UsageError(f"{message} (see {self.prog} --help)")
 
     def format_help(self) -> str:
@@ -169,15 +166,15 @@ class Parser(argparse.ArgumentParser):
         """Return the options, without positional arguments."""
         return [action for action in self._actions if action.option_strings]
 
-    def _chosen(self, found: argparse.Namespace) -> Parser:
-        """The parser of the command, or of its action, that was asked for."""
+    def _chosen(self, parsed: argparse.Namespace) -> Parser:
+        """Return the parser of the given command, or of its action."""
         parser: Parser = self
         for dest in ("command", "action", "deed"):
-            parser = parser.actions().get(str(getattr(found, dest, None)), parser)
+            parser = parser.actions().get(str(getattr(parsed, dest, None)), parser)
         return parser
 
-    def _meant(self, words: Sequence[str]) -> str:
-        """What options that are not known may have been meant to be."""
+    def _hint_for(self, words: Sequence[str]) -> str:
+        """Return a hint for the first unknown option among words."""
         known = self._option_string_actions
         for word in words:
             name = word.partition("=")[0]
@@ -204,7 +201,7 @@ class Parser(argparse.ArgumentParser):
 
 
 def hint(word: str, known: Iterable[str]) -> str:
-    """Return "; did you mean ...?", or nothing where nothing is spelt like it."""
+    """Return "; did you mean ...?", or nothing if no known word is similar."""
     near = difflib.get_close_matches(word, list(known), n=1)
     return f"; did you mean {near[0]}?" if near else ""
 
@@ -220,7 +217,7 @@ def group_of(parser: argparse._ActionsContainer, title: str) -> argparse._Action
 def add_actions(
     parser: argparse.ArgumentParser, dest: str = "action", *, required: bool = True
 ) -> Callable[..., Parser]:
-    """Give a command actions; return what adds one: `add(name, help, examples, description)`."""
+    """Give a command actions; return a function to add one: `add(name, help, examples, ...)`."""
     actions = parser.add_subparsers(
         title="actions", metavar=dest.upper(), required=required, dest=dest
     )
@@ -237,7 +234,7 @@ def add_actions(
 
 # ---- Groups of options ---------------------------------------------------------------------------
 
-_MANY_OPTIONS = 12  # that a usage does not spell out
+_MANY_OPTIONS = 12  # beyond which a usage is short
 OBJECTS, BRUSH, PLACE, FILES, FILM, LIGHT = (
     "the object", "brush and ink", "where", "files", "film", "light and screen",
 )  # fmt: skip
@@ -264,7 +261,7 @@ _FINEST_MM, _COARSEST_MM = 0.005, 1e6  # that `PaintedSurface` takes, known here
 
 
 def parse_number(text: str, what: str, expected: str, fits: Callable[[float], bool]) -> float:
-    """A number from the command line; what does not fit, and NaN never does, is refused."""
+    """Parse a number; refuse one that does not fit, which NaN never does."""
     try:
         number = float(text)
     except ValueError:
@@ -275,17 +272,17 @@ def parse_number(text: str, what: str, expected: str, fits: Callable[[float], bo
 
 
 def parse_length_mm(text: str) -> float:
-    """A positive length in mm from the command line."""
+    """Parse a positive length in mm."""
     return parse_number(text, "a length", "a number above 0, mm", lambda n: 0.0 < n < math.inf)
 
 
 def parse_seconds(text: str) -> float:
-    """A time in seconds from the command line, 0 or more."""
+    """Parse a time in seconds, 0 or more."""
     return parse_number(text, "a time", "seconds, 0 or more", lambda n: 0.0 <= n < math.inf)
 
 
 def parse_resolution_mm(text: str) -> float:
-    """A vertex spacing in mm that a surface can have."""
+    """Parse a vertex spacing in mm that a surface can have."""
     resolution = parse_length_mm(text)
     if resolution < _FINEST_MM:
         raise argparse.ArgumentTypeError(f"{text} is too fine; expected at least {_FINEST_MM:g} mm")
@@ -297,7 +294,7 @@ def parse_resolution_mm(text: str) -> float:
 
 
 def parse_count(text: str) -> int:
-    """How many, 1 or more."""
+    """Parse a count, 1 or more."""
     count = int(text) if text.isascii() and text.isdigit() and len(text) < 10 else 0
     if count < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not a count; expected 1 or more")
@@ -305,7 +302,7 @@ def parse_count(text: str) -> int:
 
 
 def parse_hairs(text: str) -> int:
-    """How many hairs a tuft has; 0 for a solid one."""
+    """Parse a number of hairs; 0 for a solid tuft."""
     count = int(text) if text.isdecimal() and len(text) < 9 else -1
     if not 0 <= count <= _MOST_HAIRS:
         raise argparse.ArgumentTypeError(f"{text!r} hairs; expected 0 to {_MOST_HAIRS}")
@@ -313,22 +310,22 @@ def parse_hairs(text: str) -> int:
 
 
 def parse_turn(text: str) -> float:
-    """A turn from the command line, -180 to 180 degrees."""
+    """Parse a turn, -180 to 180 degrees."""
     return parse_number(text, "a turn", "-180 to 180 degrees", lambda n: -180.0 <= n <= 180.0)
 
 
 def parse_gap(text: str) -> float:
-    """Room in parts of a size, 0 to 5."""
+    """Parse a distance in parts of a size, 0 to 5."""
     return parse_number(text, "a distance", "0 to 5 times the size", lambda n: 0.0 <= n <= 5.0)
 
 
 def parse_share(text: str) -> float:
-    """A share from the command line, above 0 to 1."""
+    """Parse a fraction, above 0 to 1."""
     return parse_number(text, "a share", "above 0 to 1", lambda n: 0.0 < n <= 1.0)
 
 
 def _parse_dips(text: str) -> str | int:
-    """When the brush is dipped: ``auto``, ``always``, or before every so many characters."""
+    """Parse when to dip: ``auto``, ``always``, or before every so many characters."""
     if text in ("auto", "always"):
         return text
     count = text.removeprefix("every").strip()
@@ -347,18 +344,18 @@ def parse_variation(text: str) -> float:
 
 
 def parse_hand_speed(text: str) -> float:
-    """How many times as fast as usual a hand writes, 1 to 4."""
+    """Parse the speed of a hand relative to the usual one, 1 to 4."""
     expected = "how many times as fast as usual, 1 to 4"
     return parse_number(text, "a hand's speed", expected, lambda value: 1.0 <= value <= 4.0)
 
 
 def parse_rate(text: str) -> float:
-    """A rate from the command line, 1/mm, 0 or more."""
+    """Parse a rate, 1/mm, 0 or more."""
     return parse_number(text, "a rate", "1/mm, 0 or more", lambda n: 0.0 <= n < math.inf)
 
 
 def parse_place(text: str) -> tuple[float, float]:
-    """A place on the object, ``U,V``, each 0 to 1."""
+    """Parse a position on the object, ``U,V``, each 0 to 1."""
     try:
         u, v = (float(part) for part in text.split(","))
     except ValueError:
@@ -374,7 +371,7 @@ SIDES = ("outside", "inside", "top", "bottom", "front", "right", "back", "left")
 
 
 def add_at_option(parser: argparse._ActionsContainer, what: str) -> None:
-    """Add --at, for the middle of what is laid or pressed."""
+    """Add --at, the position of the middle of a text or a seal."""
     parser.add_argument(
         "--at",
         metavar="U,V",
@@ -385,7 +382,7 @@ def add_at_option(parser: argparse._ActionsContainer, what: str) -> None:
 
 
 def add_side_option(parser: argparse._ActionsContainer) -> None:
-    """Add --side, from where one looks at the object."""
+    """Add --side, from which the object is looked at."""
     parser.add_argument(
         "--side",
         choices=SIDES,
@@ -400,7 +397,7 @@ def add_quiet_option(parser: argparse.ArgumentParser) -> None:
 
 
 def own_file(name: str | None) -> str | None:
-    """The file that a brush or a material is read from; None for what comes with the program."""
+    """Return a brush's or material's file; None for one that comes with the program."""
     return name if (name or "").lower().endswith((".toml", ".json")) else None
 
 
@@ -414,7 +411,7 @@ def add_force_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_dip_option(parser: argparse.ArgumentParser, default: str = DIPS) -> None:
-    """Add ``--dip``; `default` says what None stands for."""
+    """Add ``--dip``; `default` is the help's text of None."""
     group_of(parser, BRUSH).add_argument(
         "--dip",
         metavar="'every N'|auto|always",
@@ -431,14 +428,14 @@ def add_unit_option(parser: argparse.ArgumentParser) -> None:
 
 
 def add_report_option(parser: argparse.ArgumentParser) -> None:
-    """Add ``--report``, the account of what a command painted."""
+    """Add ``--report``, a file with counts and times of a painting."""
     group_of(parser, FILES).add_argument(
         "--report", metavar="FILE", type=Path, help="write versions, counts and times as JSON"
     )
 
 
 def add_seed_option(parser: argparse._ActionsContainer, what: str) -> None:
-    """Add ``--seed``: a number that picks one of many chances, always the same one; None."""
+    """Add ``--seed``, of the random variation; None by default."""
     parser.add_argument(
         "--seed",
         metavar="N",
@@ -457,7 +454,7 @@ def _parse_seed(text: str) -> int:
 
 
 def add_fps_option(parser: argparse._ActionsContainer) -> None:
-    """Add ``--fps``, pictures a second of a film; None."""
+    """Add ``--fps``, pictures a second of a film; None by default."""
     parser.add_argument(
         "--fps",
         metavar="N",
@@ -467,7 +464,7 @@ def add_fps_option(parser: argparse._ActionsContainer) -> None:
 
 
 def add_pixels_option(parser: argparse._ActionsContainer, default: str) -> None:
-    """Add ``--pixels``, how large a picture is; None, which `default` says the meaning of."""
+    """Add ``--pixels``, the size of a picture; `default` is the help's text of None."""
     parser.add_argument(
         "--pixels",
         metavar="WxH",
@@ -477,8 +474,8 @@ def add_pixels_option(parser: argparse._ActionsContainer, default: str) -> None:
 
 
 def _parse_pixels(text: str) -> tuple[int, int]:
-    found = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text.lower())
-    width, height = (int(n) for n in found.groups()) if found else (0, 0)
+    match = re.fullmatch(r"(\d{1,5})x(\d{1,5})", text.lower())
+    width, height = (int(n) for n in match.groups()) if match else (0, 0)
     if not (16 <= width <= 4096 and 16 <= height <= 4096):
         raise argparse.ArgumentTypeError(
             f"{text!r} is not a size; expected WxH such as 1600x1200, each 16 to 4096"
@@ -489,7 +486,7 @@ def _parse_pixels(text: str) -> tuple[int, int]:
 def add_up_option(
     parser: argparse.ArgumentParser, otherwise: str = "as the format says, else z"
 ) -> None:
-    """Add ``--up``; `otherwise` says what is up without it."""
+    """Add ``--up``; `otherwise` is the help's text of its default."""
     group_of(parser, OBJECTS).add_argument(
         "--up",
         metavar="AXIS",
@@ -500,13 +497,13 @@ def add_up_option(
 
 
 def check_input_file(name: str | Path | None, what: str, known: Sequence[str] = ()) -> None:
-    """Refuse a file that is not there, before anything heavy is imported to read it.
+    """Refuse a missing file, before anything heavy is imported to read it.
 
     Parameters
     ----------
     name : str or Path, optional
     what : str
-        What was expected, such as "a recording".
+        The expected kind, such as "a recording".
     known : sequence of str
         Names that are no files; where there are any, so are those of sheets.
 
@@ -542,17 +539,17 @@ def check_output_folder(folder: Path) -> None:
     ExportError
         If it (or, where it is yet to be made, its nearest parent) is not a writable folder.
     """
-    there = folder
-    while not there.exists() and there != there.parent:
-        there = there.parent
-    if not there.is_dir():
+    nearest = folder
+    while not nearest.exists() and nearest != nearest.parent:
+        nearest = nearest.parent
+    if not nearest.is_dir():
         raise ExportError(
             "{there} is not a folder; {folder} cannot be made",
-            there=there,
+            there=nearest,
             folder=folder,
         )
-    if not os.access(there, os.W_OK | os.X_OK):
-        raise ExportError("{there}: no permission to write there", there=there)
+    if not os.access(nearest, os.W_OK | os.X_OK):
+        raise ExportError("{there}: no permission to write there", there=nearest)
 
 
 def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
@@ -583,7 +580,7 @@ def check_output_file(file: Path, suffixes: tuple[str, ...]) -> None:
 def check_overwriting(
     written: Iterable[Path | None], read: Iterable[str | Path | None], *, force: bool
 ) -> None:
-    """Refuse to write over a file that is read from, or that a mesh which is read refers to.
+    """Refuse to write over an input file, or over one that an input mesh refers to.
 
     Nor is one file written twice.
 
@@ -628,7 +625,7 @@ def check_overwriting(
 
 
 def _refers_to(source: str | Path, file: Path) -> bool:
-    """Whether a mesh that is read speaks of a file that would be replaced."""
+    """Return whether an input mesh refers to a file that would be replaced."""
     if not file.exists() or not os.path.isfile(source):
         return False
     from paint3d.files.references import refers_to_apart
@@ -637,7 +634,7 @@ def _refers_to(source: str | Path, file: Path) -> bool:
 
 
 def _same_file(one: str | Path, other: str | Path) -> bool:
-    """Whether two paths lead to one file, through links or not; it need not be there yet."""
+    """Return whether two paths name one file, also by links and if it does not exist yet."""
     try:
         return os.path.samefile(one, other)
     except FileNotFoundError:
@@ -651,7 +648,7 @@ def _same_file(one: str | Path, other: str | Path) -> bool:
 
 
 def add_stylus_option(parser: argparse.ArgumentParser, default: str) -> None:
-    """Let the stylus be chosen; None where it is not."""
+    """Add ``--stylus``; None by default."""
     parser.add_argument(
         "--stylus",
         metavar="KIND",

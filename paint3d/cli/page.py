@@ -149,13 +149,13 @@ def _build(options: argparse.Namespace) -> None:
 
 
 class _Handler(http.server.SimpleHTTPRequestHandler):
-    """Says nothing of what is asked for, and has browsers ask again for what may have changed."""
+    """Serves files without a log, and makes browsers ask again for changed ones."""
 
     def log_message(self, *_: object) -> None:
-        """Say nothing."""
+        """Log nothing."""
 
     def end_headers(self) -> None:
-        """Let nothing be kept without asking."""
+        """Forbid caching without asking again."""
         self.send_header("Cache-Control", "no-cache")
         super().end_headers()
 

@@ -7,7 +7,7 @@ import io
 import os
 import pickle
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import Field, asdict, dataclass, field, fields, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -75,14 +75,14 @@ WRITING_INK = "pine soot:0.26,water:0.74"  # as a writer grinds it
 
 
 def _option(default: Any, group: str, help: str, unsaid: str = "", **how: Any) -> Any:
-    """A field that is an option of its name; `unsaid` tells what stands for it if not given."""
+    """Declare a field that is an option of its name; `unsaid` is the help's text of its default."""
     metadata = {"group": group, "help": help, "unsaid": unsaid, "how": how}
     return field(default=default, metadata=metadata)
 
 
 @dataclass(frozen=True)
 class PaintingOptions:
-    """What a command that paints is asked for.
+    """Options of the commands that paint.
 
     Each field but `quiet` is an option of the same name, in the namespace None where it was not
     given; brush and ink None stand for the recording's own.
@@ -155,18 +155,20 @@ class PaintingOptions:
         names : str
             Only these.
         unsaid : mapping
-            What the help says of one that is not given, where a command differs.
+            The help's text of a default, where a command differs.
         """
-        for one in cls._declared(names):
+        for one in fields(cls):
+            if not one.metadata or (names and one.name not in names):
+                continue
             group = group_of(parser, one.metadata["group"])
             if one.name == "up":
                 add_up_option(parser)
                 continue
-            said = (unsaid or {}).get(one.name) or one.metadata["unsaid"] or one.default
+            usual = (unsaid or {}).get(one.name) or one.metadata["unsaid"] or one.default
             how, help = dict(one.metadata["how"]), one.metadata["help"]
-            if "action" not in how and said is not None and one.name not in ("on", "unit"):
+            if "action" not in how and usual is not None and one.name not in ("on", "unit"):
                 help += (
-                    f" (default: {said:g})" if isinstance(said, float) else f" (default: {said})"
+                    f" (default: {usual:g})" if isinstance(usual, float) else f" (default: {usual})"
                 )
             group.add_argument(
                 f"--{one.name.replace('_', '-')}", default=None, required=one.name == "on",
@@ -174,19 +176,15 @@ class PaintingOptions:
             )  # fmt: skip
 
     @classmethod
-    def _declared(cls, names: Sequence[str]) -> list[Field[Any]]:
-        return [one for one in fields(cls) if one.metadata and (not names or one.name in names)]
-
-    @classmethod
     def of(cls, options: argparse.Namespace, **otherwise: Any) -> PaintingOptions:
-        """What the options say; `otherwise` gives what a command takes for one that is not said."""
-        said = {one.name: getattr(options, one.name, None) for one in fields(cls)}
-        on = said["on"]
+        """Return the options as given; `otherwise` are a command's own defaults."""
+        given = {one.name: getattr(options, one.name, None) for one in fields(cls)}
+        on = given["on"]
         if on is not None and is_sheet(on) and not os.path.isfile(on):
             sheet = parse_sheet(on)
             otherwise["material"] = sheet.usual.material
             otherwise.setdefault("resolution", sheet.detail_mm)
-        return cls(**{**otherwise, **{k: value for k, value in said.items() if value is not None}})
+        return cls(**{**otherwise, **{k: value for k, value in given.items() if value is not None}})
 
     def check(self) -> None:
         """Look up everything that is named, before any work.
@@ -232,7 +230,7 @@ def add_out_option(parser: argparse.ArgumentParser, *, required: bool = True) ->
 
 # ---- The object ----------------------------------------------------------------------------------
 
-_last: dict[tuple[Any, ...], TriangleMesh] = {}  # the one that was read last: rows may share it
+_last: dict[tuple[Any, ...], TriangleMesh] = {}  # the mesh read last: rows may share it
 
 
 def load_object(wanted: PaintingOptions) -> TriangleMesh:
@@ -245,7 +243,7 @@ def load_object(wanted: PaintingOptions) -> TriangleMesh:
     """
     path = os.path.abspath(wanted.on)  # a name means another file in another folder
     how = (wanted.unit, wanted.from_points, wanted.texture, wanted.up)
-    key = (wanted.on, path, _state(path), *how)
+    key = (wanted.on, path, _file_version(path), *how)
     if key not in _last:
         from paint3d.files.load import load_mesh
 
@@ -259,13 +257,13 @@ def load_object(wanted: PaintingOptions) -> TriangleMesh:
     return _last[key]
 
 
-def _state(path: str) -> tuple[int, int] | None:
-    """What tells a file's versions apart; None where there is no file, but a name."""
+def _file_version(path: str) -> tuple[int, int] | None:
+    """Return what distinguishes a file's versions; None for a name that is no file."""
     try:
-        found = os.stat(path)
+        status = os.stat(path)
     except (OSError, ValueError):
         return None
-    return found.st_size, found.st_mtime_ns
+    return status.st_size, status.st_mtime_ns
 
 
 def prepare(
@@ -287,11 +285,11 @@ def prepare(
         if not _keeps_bare:
             return PaintedSurface(mesh, wanted.resolution, material)
         key = (mesh, wanted.resolution, material)
-        kept = next((of for of in _bare if of[0] is mesh and of[1:3] == key[1:]), None)
-        if kept is None:
-            kept = (*key, _Packed(PaintedSurface(mesh, wanted.resolution, material)))
-            _bare[:] = [kept]
-        return kept[3].surface()
+        prepared = next((of for of in _bare if of[0] is mesh and of[1:3] == key[1:]), None)
+        if prepared is None:
+            prepared = (*key, _Packed(PaintedSurface(mesh, wanted.resolution, material)))
+            _bare[:] = [prepared]
+        return prepared[3].surface()
 
 
 # ---- Rows on one object --------------------------------------------------------------------------
@@ -299,17 +297,17 @@ def prepare(
 # made ready a fraction of one.
 
 _keeps_bare = False
-_bare: list[tuple[TriangleMesh, float, Material, _Packed]] = []  # the last that was made ready
+_bare: list[tuple[TriangleMesh, float, Material, _Packed]] = []  # the last one prepared
 
 
 def keep_bare_surfaces() -> None:
-    """Keep the surface that was made ready last, for the next row on the same object."""
+    """Keep the last surface that was prepared, for the next row on the same object."""
     global _keeps_bare
     _keeps_bare = True
 
 
 class _Packed:
-    """A bare surface that copies are made of; what nobody may write to is shared by them."""
+    """A bare surface to copy; read-only parts are shared by the copies."""
 
     def __init__(self, surface: PaintedSurface) -> None:
         self._shared: list[object] = []
@@ -328,18 +326,18 @@ class _Packed:
 
 
 class _SharingPickler(pickle.Pickler):
-    """Packs all but meshes, materials and read-only arrays, which stay as they are."""
+    """Pickles all but meshes, materials and read-only arrays, which are shared."""
 
     shared: list[object]
 
-    def persistent_id(self, found: Any) -> int | None:
+    def persistent_id(self, value: Any) -> int | None:
         from paint3d.colour.materials import Material
         from paint3d.mesh.triangle_mesh import TriangleMesh
 
-        flags = getattr(found, "flags", None)
-        if not isinstance(found, TriangleMesh | Material) and getattr(flags, "writeable", True):
+        flags = getattr(value, "flags", None)
+        if not isinstance(value, TriangleMesh | Material) and getattr(flags, "writeable", True):
             return None
-        self.shared.append(found)
+        self.shared.append(value)
         return len(self.shared) - 1
 
 
@@ -349,7 +347,7 @@ class _SharingPickler(pickle.Pickler):
 def check_poses(
     recording: Recording, surface: PaintedSurface, wished: str | None, name: str
 ) -> Doubts:
-    """Refuse poses whose handle points into the object; return what else seems to be wrong.
+    """Refuse poses whose handle points into the object; return other doubts.
 
     Raises
     ------
@@ -414,28 +412,28 @@ def paint(
     is_shown, rest_s = not wanted.quiet, wanted.spread
     with timed(seconds, "paint"):
         with ProgressBar("painting", enabled=is_shown) as progress:
-            told = progress if watch is None else watch.over(recording, rest_s, progress)
+            report = progress if watch is None else watch.over(recording, rest_s, progress)
             rate = None if watch is None else 1.0 / watch.step_s
-            painter.replay(recording, told, rate, rest_s is not None, table)
+            painter.replay(recording, report, rate, rest_s is not None, table)
         if rest_s is not None:
             with ProgressBar("spreading", enabled=is_shown) as progress:
-                told = progress if watch is None else watch.resting(progress)
-                painter.rest(int(recording.time_ns[-1]), rest_s, told)
+                report = progress if watch is None else watch.resting(progress)
+                painter.rest(int(recording.time_ns[-1]), rest_s, report)
         counts = painter.report()
-    settings = _in_hand(painter, brush, ink, tip)
+    settings = _hand_settings(painter, brush, ink, tip)
     return Painting(surface, counts, seconds, (recording,), settings)
 
 
-def _in_hand(
+def _hand_settings(
     painter: Painter, brush: BrushSpec, ink: dict[Pigment, float], tip: dict[Pigment, float] | None
 ) -> dict[str, Any]:
-    """What a session says of the hand: its brush as it was painted with, and what it holds."""
+    """Return a session's settings of the hand: its brush as it was used, and the ink in it."""
     from paint3d.brush.spec import DipAmount
 
     own = None if painter.hairs is None else painter.hairs.spec
-    held = replace(brush, bristles=own)
+    used = replace(brush, bristles=own)
     settings: dict[str, Any] = {
-        "brush": asdict(held), "ink": painter.ink.name, "azimuth": painter.azimuth
+        "brush": asdict(used), "ink": painter.ink.name, "azimuth": painter.azimuth
     }  # fmt: skip
     last = ink if tip is None else tip
     if tip is not None or len(ink) > 1:
@@ -443,7 +441,7 @@ def _in_hand(
     if tip is not None:  # or the next dip would be a whole one in the tip's ink
         from paint3d.app.model.stroke_log import weights_of
 
-        settings["dips"] = [[weights_of(dipped), share] for dipped, share in painter.dips]
+        settings["dips"] = [[weights_of(dipped), reach] for dipped, reach in painter.dips]
     if painter.hairs is not None:
         from paint3d.app.model.persistence.brush_words import hair_words
 
@@ -454,7 +452,7 @@ def _in_hand(
 
 
 def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
-    """The brush that the user wants, or the recording's own, which names no file here."""
+    """Return the brush of the options, or the recording's own, which names no file here."""
     from paint3d.brush.presets import load_brush
     from paint3d.painter.recorded_tools import recorded_brush
 
@@ -467,7 +465,7 @@ def _brush(recording: Recording | LaidPad, wished: str | None) -> BrushSpec:
 
 
 def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, float]:
-    """The ink that the user wants, or the recording's own."""
+    """Return the ink of the options, or the recording's own."""
     from paint3d.colour.inks import load_ink
     from paint3d.painter.recorded_tools import recorded_ink
 
@@ -482,7 +480,7 @@ def _ink(recording: Recording | LaidPad, wished: str | None) -> dict[Pigment, fl
 def _tip(
     recording: Recording | LaidPad, wanted: PaintingOptions
 ) -> tuple[dict[Pigment, float] | None, float]:
-    """What the tip is dipped in afterwards, and how far: as the user wants, or the recording."""
+    """Return the tip's ink and its reach: of the options, or the recording's own."""
     from paint3d.colour.inks import load_ink
     from paint3d.painter.recorded_tools import recorded_tip
 
@@ -543,7 +541,7 @@ def new_document(wanted: PaintingOptions) -> Document:
 
 
 def take_layer(painted: Document | PaintedSurface, name: str | None) -> None:
-    """Paint on the layer of this name from now on; it is added above the others if missing."""
+    """Make the layer of this name the active one; add it above the others if missing."""
     from paint3d.surface.painted_surface import PaintedSurface
 
     if name is None:
@@ -602,7 +600,7 @@ def paint_onto(
     else:
         ends = np.arange(_AT_ONCE, n, _AT_ONCE)
     with timed(seconds, "paint"), ProgressBar("painting", enabled=not wanted.quiet) as progress:
-        told = progress if watch is None else watch.over(recording, wanted.spread, progress)
+        report = progress if watch is None else watch.over(recording, wanted.spread, progress)
         begins = {begin: (end, erases) for begin, end, erases in eraser_runs(recording.buttons)}
         first = 0
         for end in sorted({*ends.tolist(), *begins, n} - {0}):
@@ -610,17 +608,17 @@ def paint_onto(
                 if first:
                     document.end_stroke()
                 last, erases = begins[first]
-                said: dict[str, Any] = {"erase": True} if erases else {}  # a score says no false
+                erase: dict[str, Any] = {"erase": True} if erases else {}  # a score says no false
                 document.begin_stroke(
                     loads=_within(loads, first, last),
                     strengths=_within(strengths, first, last),
-                    **said,
+                    **erase,
                 )
             document.feed(list(recording.part(first, end).samples()))
             if is_wet and end < n:
                 pieces = int(time_ns[end] // PIECE_NS - time_ns[end - 1] // PIECE_NS)
                 _let_pass(document, pieces, lambda _: None)
-            told(end / n)
+            report(end / n)
             first = end
         document.end_stroke()
     with timed(seconds, "paint"):
@@ -628,19 +626,19 @@ def paint_onto(
             with ProgressBar("spreading", enabled=not wanted.quiet) as progress:
                 resting = progress if watch is None else watch.resting(progress)
                 _let_pass(document, round(min(wanted.spread, _LONGEST_S) / PIECE_S), resting)
-        over = fraction_over(document, before)  # before the report, which brings colours up to date
+        over = fraction_over(document, before)  # before the report, which updates colours
         counts = document.painter.report()
     counts["over_paint"] = round(over, 4)
     return Painting(document.surface, counts, seconds, document=document)
 
 
 def _within(pairs: Sequence[tuple[int, float]], first: int, last: int) -> list[tuple[int, float]]:
-    """What is told of samples from `first` to before `last`, counted from `first`."""
-    return [(k - first, share) for k, share in dict(pairs).items() if first <= k < last]
+    """Return the pairs of samples from `first` to before `last`, counted from `first`."""
+    return [(k - first, value) for k, value in dict(pairs).items() if first <= k < last]
 
 
 def _with_hairs(brush: BrushSpec, hairs: int | None) -> BrushSpec:
-    """The brush with so many single hairs; 0: a solid tuft, None: as it is."""
+    """Return the brush with so many single hairs; 0: a solid tuft, None: as it is."""
     from paint3d.brush.spec import BristleSpec
 
     if hairs is None:
@@ -649,19 +647,19 @@ def _with_hairs(brush: BrushSpec, hairs: int | None) -> BrushSpec:
     return replace(brush, bristles=own)
 
 
-def _let_pass(document: Document, pieces: int, told: Callable[[float], None]) -> None:
-    """Let the ink spread for so many steps of its time, or until it is dry."""
+def _let_pass(document: Document, pieces: int, report: Callable[[float], None]) -> None:
+    """Advance the ink by so many steps of its time, or until it is dry."""
     from paint3d.painter.ink_time import PIECE_S
 
     for k in range(pieces):
         document.follow_time(PIECE_S)
-        told((k + 1) / pieces)
+        report((k + 1) / pieces)
         if document.surface.flow.is_dry:
             return
 
 
 class Before(NamedTuple):
-    """What lay on vertices (V,) before something was painted: whether any paint, codes, wet ink."""
+    """The state of vertices (V,) before something was painted: any paint, codes, wet ink."""
 
     painted: NDArray[np.bool_]
     codes: NDArray[np.uint8]
@@ -669,7 +667,7 @@ class Before(NamedTuple):
 
     @classmethod
     def of(cls, document: Document) -> Before:
-        """Return what lies there now."""
+        """Return the present state."""
         document.refresh()
         surface = document.surface
         ink = surface.ink.amounts[: surface.n_vertices].sum(axis=1)
@@ -677,7 +675,7 @@ class Before(NamedTuple):
 
 
 def fraction_over(document: Document, before: Before) -> float:
-    """Fraction, by area, of what has been painted since that lies over earlier paint."""
+    """Return the fraction, by area, of the paint since then that lies over earlier paint."""
     changed = document.refresh()
     surface, n = document.surface, len(before.painted)
     known, new = changed[changed < n], changed[changed >= n]

@@ -45,7 +45,7 @@ __all__ = [
 ]
 
 # ---- Light ---------------------------------------------------------------------------------------
-# In which light, by which observer and on what screen a painting is shown: the options.
+# Options of the light, the observer and the screen that a painting is shown in.
 
 
 _ADAPTATIONS, _GAMUTS = ("cat16", "bradford", "none"), ("srgb", "p3", "rec2020")
@@ -85,7 +85,7 @@ def add_light_options(parser: argparse.ArgumentParser) -> None:
 
 
 def viewing_of(options: argparse.Namespace) -> Viewing | None:
-    """What the options say; None where they change nothing.
+    """Return the viewing conditions of the options; None if they change nothing.
 
     Raises
     ------
@@ -94,8 +94,8 @@ def viewing_of(options: argparse.Namespace) -> Viewing | None:
     """
     from paint3d.colour.viewing import Viewing
 
-    found = Viewing(options.illuminant, options.observer, options.adaptation, options.gamut)
-    return None if found.is_plain else found
+    viewing = Viewing(options.illuminant, options.observer, options.adaptation, options.gamut)
+    return None if viewing.is_plain else viewing
 
 
 # ---- The command ---------------------------------------------------------------------------------
@@ -154,13 +154,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_view_options(group: argparse._ActionsContainer, pixels: str) -> None:
-    """Add from where, how large and in which light, all None where they are not given.
+    """Add view, size and light of a picture, all None by default.
 
     Parameters
     ----------
     group : parser or group of options
     pixels : str
-        What ``--pixels`` is where it is not given.
+        The help's text of the default of ``--pixels``.
     """
     group.add_argument(
         "--view",

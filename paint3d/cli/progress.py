@@ -18,15 +18,15 @@ _INTERVAL_S = 0.1
 _TICK_S = 0.5
 _FIRST_LINE_S = 5.0  # in a pipe; each next one after twice the time
 _CLEAR = "\r\x1b[K"  # the line
-_RUNNER = "###"  # goes to and fro while nobody knows how much is done
+_RUNNER = "###"  # goes to and fro while no progress is known
 
 
 class ProgressBar:
     """Call it with the fraction done; it draws at most ten times a second and erases itself.
 
-    Used with `with`, it moves on by itself twice a second: with the time that is left, or, where
-    nothing was told yet, to and fro. To a stream that is no terminal it writes a line after 5 s,
-    and one each time twice as much has passed.
+    Used with `with`, it moves on by itself twice a second: with the time left, or, before the first
+    call, to and fro. To a stream that is no terminal it writes a line after 5 s, and one each time
+    twice as much has passed.
 
     Parameters
     ----------
@@ -35,7 +35,7 @@ class ProgressBar:
     enabled : bool
         False never draws, as for ``--quiet``.
     stream : text file, optional
-        Where to draw: stderr unless told.
+        To draw on; by default stderr.
     """
 
     def __init__(self, label: str, *, enabled: bool = True, stream: TextIO | None = None) -> None:
@@ -47,7 +47,7 @@ class ProgressBar:
         self._started = time.monotonic()
         self._drawn = -_INTERVAL_S
         self._done: float | None = None
-        self._told = 0.0  # s after the start: when that much was done
+        self._done_at = 0.0  # s after the start: when `_done` changed last
         self._ticks = 0
         self._drawing = threading.Lock()
         self._over = threading.Event()
@@ -57,7 +57,7 @@ class ProgressBar:
         """Show that this fraction, 0 to 1, is done."""
         done = min(max(fraction, 0.0), 1.0)
         if done != self._done:
-            self._done, self._told = done, time.monotonic() - self._started
+            self._done, self._done_at = done, time.monotonic() - self._started
         if self._active and time.monotonic() - self._started - self._drawn >= _INTERVAL_S:
             self._draw()
 
@@ -69,7 +69,7 @@ class ProgressBar:
 
     def _draw(self) -> None:
         self._drawn = time.monotonic() - self._started
-        told = self._tell()
+        text = self._progress_text()
         if self._done:
             bar = ("#" * round(self._done * _WIDTH)).ljust(_WIDTH, ".")
         else:
@@ -78,17 +78,17 @@ class ProgressBar:
             bar = ("." * at + _RUNNER).ljust(_WIDTH, ".")
         with self._drawing:
             if not self._over.is_set():
-                self._write(f"{_CLEAR}{self._label} [{bar}]{told}")
+                self._write(f"{_CLEAR}{self._label} [{bar}]{text}")
 
-    def _tell(self) -> str:
-        """How much is done and how long it still takes, or how long it has taken.
+    def _progress_text(self) -> str:
+        """Return the fraction done and the time left, or the time taken.
 
-        The time that is left runs down until more is told; when it is over, it is not known.
+        The time left runs down until the next call; once it is over, it is unknown.
         """
         elapsed, done = time.monotonic() - self._started, self._done
         if not done:
             return f" {elapsed:4.0f} s"
-        left = self._told / done - elapsed
+        left = self._done_at / done - elapsed
         if done <= 0.02 or left < 0.0:
             return f" {done:4.0%} {elapsed:4.0f} s"
         return f" {done:4.0%} {left:4.0f} s left"
@@ -100,24 +100,24 @@ class ProgressBar:
         except OSError:
             if not self._is_terminal:
                 raise
-            self._active = False  # the terminal is gone, and the work does without
+            self._active = False  # the terminal is gone; the work goes on
             discard_output(self._stream)
 
     def _tick(self) -> None:
-        leave_interrupts_to_others()  # who waits for the work is to be interrupted
+        leave_interrupts_to_others()  # the main thread is to get them
         if not self._is_terminal:
-            self._tell_now_and_then()
+            self._write_lines()
             return
         while not self._over.wait(_TICK_S):
             if time.monotonic() - self._started - self._drawn >= _TICK_S:
                 self._ticks += 1
                 self._draw()
 
-    def _tell_now_and_then(self) -> None:
+    def _write_lines(self) -> None:
         after = _FIRST_LINE_S
-        with suppress(OSError):  # nobody reads the pipe any more
+        with suppress(OSError):  # the pipe has no reader any more
             while not self._over.wait(max(0.0, self._started + after - time.monotonic())):
-                self.note(f"{self._label}{self._tell()}")
+                self.note(f"{self._label}{self._progress_text()}")
                 after *= 2.0
 
     def __enter__(self) -> Self:
@@ -141,7 +141,7 @@ class ProgressBar:
 
 
 # ---- The first run -------------------------------------------------------------------------------
-# Say once that the loops are being compiled, so that a first run does not look stuck.
+# A note that the loops are being compiled, so that a first run does not look stuck.
 
 
 _SECONDS = 100
@@ -149,7 +149,7 @@ _SECONDS = 100
 
 def say_if_compiling(*, quiet: bool) -> None:
     """Write one line to stderr when the loops are yet to be compiled."""
-    from paint3d.brush_engine.stroke_loop import paint_samples  # the last that a stroke needs
+    from paint3d.brush_engine.stroke_loop import paint_samples  # of those needed, compiled last
     from paint3d.core.kernel import is_compiled
 
     if not quiet and not is_compiled(paint_samples):

@@ -33,11 +33,11 @@ _PACKAGES = (
 
 
 def find_versions() -> dict[str, str]:
-    """Versions by name; a package that is absent is listed as ``not installed``."""
+    """Return versions by name; a package that is absent is listed as ``not installed``."""
     import platform
 
-    found = {"python": sys.version.split()[0], "system": platform.platform()}
-    return found | {package: _version(package) for package in _PACKAGES}
+    system = {"python": sys.version.split()[0], "system": platform.platform()}
+    return system | {package: _version(package) for package in _PACKAGES}
 
 
 @cache
@@ -77,7 +77,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def ask_python(code: str) -> str:
-    """The last line that a Python of its own prints for this code, or why there is none."""
+    """Return the last line that another Python process prints for this code, or why none."""
     try:
         answer = subprocess.run(
             [sys.executable, "-W", "ignore", "-c", code],

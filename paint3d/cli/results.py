@@ -1,4 +1,4 @@
-"""What a command painted: its account, and where it goes, a session or any other format."""
+"""The result of a command that paints: its report, and its file, a session or another format."""
 
 from __future__ import annotations
 
@@ -56,12 +56,12 @@ __all__ = [
 ]
 
 _LOG = logging.getLogger("paint3d")
-_MUCH_OVER = 0.02  # of what was painted: less is a touch
+_MUCH_OVER = 0.02  # of the area painted: less only touches
 
 
 @dataclass(frozen=True)
 class Painting:
-    """A painted surface, what painting it took, what made it, and the seconds of each step.
+    """A painted surface, its counts and recordings, and the seconds of each step.
 
     With a `document` it is that one's painting, which has a history of its own.
     """
@@ -74,13 +74,13 @@ class Painting:
     document: Document | None = None
 
     def whole_recordings(self) -> tuple[Recording, ...]:
-        """The recordings in the world; a pad's is laid down as a whole."""
+        """Return the recordings in the world; a pad's is laid down as a whole."""
         from paint3d.painter.flat_input import LaidPad
 
         return tuple(r.whole() if isinstance(r, LaidPad) else r for r in self.recordings)
 
     def describe(self) -> dict[str, Any]:
-        """Everything that ``--report`` writes: versions, seconds by stage, counts, ink ledger."""
+        """Return the report of ``--report``: versions, seconds by stage, counts, ink ledger."""
         return {
             "versions": find_versions(),
             **self.counts,
@@ -88,7 +88,7 @@ class Painting:
         }
 
     def summarize(self) -> str:
-        """One line on what was painted."""
+        """Return one line on the painting."""
         return (
             f"{self.counts['samples']:,} samples, {self.counts['footprints']:,} footprints, "
             f"{self.counts['vertices_painted']:,} vertices painted in "
@@ -105,14 +105,14 @@ def timed(seconds: dict[str, float], step: str) -> Iterator[None]:
 
 
 def result_suffixes() -> tuple[str, ...]:
-    """Suffixes of files that `write_result` can write."""
+    """Return the suffixes of files that `write_result` can write."""
     from paint3d.files.export import EXPORT_SUFFIXES
 
     return EXPORT_SUFFIXES
 
 
 def write_result(painting: Painting, file: Path, *, quiet: bool = False) -> None:
-    """Write a painting in the format that the file's suffix names, telling the progress.
+    """Write a painting in the format of the file's suffix, showing progress.
 
     Raises
     ------
@@ -133,7 +133,7 @@ def write_result(painting: Painting, file: Path, *, quiet: bool = False) -> None
 
 
 def write_results(painting: Painting, files: Iterable[Path], *, quiet: bool = False) -> None:
-    """Write a painting in several formats; what is to be written is found out once.
+    """Write a painting in several formats, prepared once.
 
     Raises
     ------
@@ -152,8 +152,8 @@ def write_results(painting: Painting, files: Iterable[Path], *, quiet: bool = Fa
             continue
         with ProgressBar("writing", enabled=not quiet) as progress:
             if prepared is None:
-                told = part_of(progress, 0.0, 0.6)
-                prepared = prepare_export(painting.surface, file, ExportOptions(), told)
+                report = part_of(progress, 0.0, 0.6)
+                prepared = prepare_export(painting.surface, file, ExportOptions(), report)
             prepared.into(file).write(part_of(progress, 0.6, 1.0))
 
 
@@ -168,7 +168,7 @@ class _Film(Protocol):
     """A film that can be written, such as a `films.Watch`."""
 
     def write(self) -> int:
-        """Write it; how many pictures it has."""
+        """Write it; return its number of pictures."""
         ...
 
 
@@ -191,7 +191,7 @@ def finish(painting: Painting, options: argparse.Namespace, film: _Film | None =
 
 
 def say_if_over(fraction: float, name: str = "") -> None:
-    """Tell that so much of what was painted, 0 to 1, lies over earlier paint, if it is no touch."""
+    """Warn of the fraction of the painting, 0 to 1, that lies over earlier paint, if it is much."""
     if fraction > _MUCH_OVER:
         piece = f"{name}: " if name else ""
         _LOG.warning("%s%.0f %% of it lies over what was painted before", piece, 100.0 * fraction)
@@ -257,7 +257,7 @@ def export_outlines(
 
 
 def brush_of(recording: Recording) -> BrushSpec:
-    """The brush that a recording names, which is no file of this machine.
+    """Return the brush that a recording names, which is no file of this machine.
 
     Raises
     ------
@@ -303,7 +303,7 @@ def _title(recording: Recording) -> str:
 
 
 def _colour_of(ink: str, *, own_tables: bool = True) -> str:
-    """Of a full coat on paper, as ``#rrggbb``."""
+    """Return the colour of a full coat on paper, as ``#rrggbb``."""
     from paint3d.colour.inks import load_ink
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
@@ -324,7 +324,7 @@ _RECORDINGS = (".jsonl", ".inkml", ".csv", ".json")
 
 
 def add_painting_argument(parser: argparse.ArgumentParser) -> None:
-    """Add PAINTING, and how a mesh is to be read."""
+    """Add PAINTING, and the options of reading a mesh."""
     parser.add_argument(
         "painting",
         metavar="PAINTING",
@@ -336,13 +336,13 @@ def add_painting_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def is_recording(name: str) -> bool:
-    """Whether a file's name is that of a recording."""
+    """Return whether a file's name is that of a recording."""
     plain = name.lower().removesuffix(".gz")
     return plain.endswith(_RECORDINGS)
 
 
 def open_painting(options: argparse.Namespace) -> Session | TriangleMesh:
-    """Open what PAINTING names.
+    """Open the session or the mesh that PAINTING names.
 
     Raises
     ------
@@ -362,7 +362,7 @@ def open_painting(options: argparse.Namespace) -> Session | TriangleMesh:
 
 
 # ---- Untouched -----------------------------------------------------------------------------------
-# Why a recording left nothing on an object: what to tell whoever replayed it.
+# Errors on a recording that left nothing on an object.
 
 
 _PART = 1 << 16  # samples that are laid on the object at once
@@ -396,8 +396,8 @@ def refuse_untouched(
         brush = painting.document.painter.brush
         what, length_mm = brush.name, brush.length_mm
     else:
-        held = painting.settings["brush"]
-        what, length_mm = held["name"], held["length_mm"]
+        words = painting.settings["brush"]
+        what, length_mm = words["name"], words["length_mm"]
     made_on = recording.header.get("object")
     elsewhere = made_on not in (None, mesh.name)
     raise RecordingError(
@@ -419,15 +419,15 @@ def _reason(
     if pressure is not None and not pressure.any():
         return "its pressure is 0 throughout; expected strokes that press"
     n = len(recording)
-    ways = []
+    roots = []
     for first in range(0, n, _PART):
         part = recording.part(first, min(n, first + _PART))
-        way = brush_poses(part).way
+        root = brush_poses(part).way
         if part.pressure is not None:
-            way = way[part.pressure > 0.0]
-        ways.append(way[:: 1 + n // _MOST])
-    way = np.concatenate(ways)
-    gaps = np.linalg.norm(ClosestPoints(mesh).find(way).points - way, axis=1)
+            root = root[part.pressure > 0.0]
+        roots.append(root[:: 1 + n // _MOST])
+    root = np.concatenate(roots)
+    gaps = np.linalg.norm(ClosestPoints(mesh).find(root).points - root, axis=1)
     near = float(gaps.min())
     if pressure is None:
         return (

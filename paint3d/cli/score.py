@@ -43,7 +43,7 @@ _MOST = 100_000  # numbers in a row
 
 @dataclass(frozen=True)
 class _Edit:
-    """What an option asks for: an edit's name, the strokes, and the text after the colon."""
+    """An edit of an option: its name, the strokes, and the text after the colon."""
 
     kind: str
     numbers: tuple[int, ...]
@@ -66,7 +66,7 @@ class _EditAction(argparse.Action):
             if (kind == "delete") == bool(colon) or (colon and not text.strip()):
                 raise argparse.ArgumentTypeError(f"{values!r}; expected {self.metavar}")
             _CHECKS.get(kind, str)(text)
-            edit = _Edit(kind, _numbers(numbers), text.strip())
+            edit = _Edit(kind, _parse_numbers(numbers), text.strip())
         except argparse.ArgumentTypeError as cause:
             raise argparse.ArgumentError(self, str(cause)) from None
         namespace.edits = [*(namespace.edits or ()), edit]
@@ -87,8 +87,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         ("time", "N:FACTOR|SECONDSs", "so many times as long (3:1.5), or so long (3:2s)"),
         ("shift", "N:SECONDS", "begin so much later, or (below 0) earlier"),
     )  # fmt: skip
-    for name, metavar, told in edits:
-        parser.add_argument(f"--{name}", metavar=metavar, action=_EditAction, help=told)
+    for name, metavar, about in edits:
+        parser.add_argument(f"--{name}", metavar=metavar, action=_EditAction, help=about)
     parser.add_argument(
         "--on",
         metavar="MESH",
@@ -132,7 +132,7 @@ def run(options: argparse.Namespace) -> None:
     with ProgressBar("reading", enabled=not options.quiet) as progress:
         score = load_score(options.score, progress)
     if edits:
-        score = _edited(score, edits, options)
+        score = _apply_edits(score, edits, options)
     if options.list:
         sys.stdout.write(_table(score))
     if options.out is not None:
@@ -142,8 +142,8 @@ def run(options: argparse.Namespace) -> None:
             sys.stdout.write(f"{options.out}: {n} stroke{'s' if n != 1 else ''}\n")
 
 
-def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -> Score:
-    """All edits, with the numbers that strokes have in the file: so deleting comes last."""
+def _apply_edits(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -> Score:
+    """Apply all edits, by the numbers that strokes have in the file: so deleting comes last."""
     from paint3d.recording.score_edits import apply_stroke_edit
 
     count = len(score.strokes())
@@ -177,10 +177,10 @@ def _edited(score: Score, edits: Sequence[_Edit], options: argparse.Namespace) -
 
 
 def _words(edit: _Edit, score: Score) -> dict[str, Any]:
-    """An edit as `score_edits.apply_stroke_edit` takes it."""
+    """Return an edit as `score_edits.apply_stroke_edit` takes it."""
     text = edit.text
     if edit.kind == "move":
-        x, y, *turn = _move(text)
+        x, y, *turn = _parse_move(text)
         return {"do": "move", "along": (x, y), "turn_deg": turn[0] if turn else 0.0}
     if edit.kind == "shift":
         return {"do": "time", "shift_s": float(text)}
@@ -200,12 +200,12 @@ def _words(edit: _Edit, score: Score) -> dict[str, Any]:
         return {"do": "ink", "ink": text}
     inks = InkTable(own)
     stirred = load_ink(text)
-    said = inks.encode(next(iter(stirred)) if len(stirred) == 1 else stirred)
-    return {"do": "ink", "ink": said, "pigments": inks.table}
+    name = inks.encode(next(iter(stirred)) if len(stirred) == 1 else stirred)
+    return {"do": "ink", "ink": name, "pigments": inks.table}
 
 
 def _ground(score: Score, options: argparse.Namespace) -> ClosestPoints:
-    """The surface of the object that strokes are moved on."""
+    """Return the surface of the object that strokes are moved on."""
     from paint3d.files.load import is_built_in, load_mesh
     from paint3d.mesh.bvh import ClosestPoints
 
@@ -237,14 +237,14 @@ def _table(score: Score) -> str:
     )  # fmt: skip
 
 
-# -- what stands after an option ----------------------------------------------------------------
+# -- values of the options ----------------------------------------------------------------------
 
 
-def _numbers(text: str) -> tuple[int, ...]:
+def _parse_numbers(text: str) -> tuple[int, ...]:
     numbers: list[int] = []
     for piece in text.split(","):
-        found = re.fullmatch(r"\s*(\d{1,6})(?:-(\d{1,6}))?\s*", piece, re.ASCII)
-        first, last = (int(found[1]), int(found[2] or found[1])) if found else (1, 0)
+        match = re.fullmatch(r"\s*(\d{1,6})(?:-(\d{1,6}))?\s*", piece, re.ASCII)
+        first, last = (int(match[1]), int(match[2] or match[1])) if match else (1, 0)
         if last < first or last - first > _MOST:
             raise argparse.ArgumentTypeError(
                 f"{text!r} numbers no strokes; expected one (3), several (2,5) or a row (3-6)"
@@ -253,7 +253,7 @@ def _numbers(text: str) -> tuple[int, ...]:
     return tuple(dict.fromkeys(numbers))
 
 
-def _finite(text: str) -> float:
+def _parse_finite(text: str) -> float:
     try:
         value = float(text)
     except ValueError:
@@ -263,18 +263,18 @@ def _finite(text: str) -> float:
     return value
 
 
-def _move(text: str) -> list[float]:
-    values = [_finite(part) for part in text.split(",")]
+def _parse_move(text: str) -> list[float]:
+    values = [_parse_finite(part) for part in text.split(",")]
     if len(values) not in (2, 3):
         raise argparse.ArgumentTypeError(f"{text!r}; expected DX,DY in mm, or DX,DY,TURN")
     return values
 
 
-def _time(text: str) -> float:
-    value = _finite(text.strip().removesuffix("s"))
+def _parse_time(text: str) -> float:
+    value = _parse_finite(text.strip().removesuffix("s"))
     if value <= 0.0:
         raise argparse.ArgumentTypeError(f"{text!r}; expected a factor (1.5) or seconds (2s)")
     return value
 
 
-_CHECKS = {"move": _move, "time": _time, "shift": _finite}
+_CHECKS = {"move": _parse_move, "time": _parse_time, "shift": _parse_finite}

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 import sys
-from collections.abc import Iterator
+from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -39,7 +39,6 @@ from paint3d.errors import InputError, MeshError
 
 if TYPE_CHECKING:
     from paint3d.app.model.document import Document
-    from paint3d.mesh.chart import SurfaceFrame
 
 __all__ = ["EXAMPLES", "add_arguments", "add_seal_options", "check_seal", "press", "run"]
 
@@ -74,7 +73,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_seal_options(parser: argparse.ArgumentParser) -> None:
-    """Add what is cut, and where and how it is pressed: what `press` asks."""
+    """Add the options of `press`: the seal's design, and its position."""
     add_drawing_options(group_of(parser, WHAT), "cut a drawing instead of a text")
     _add_stone_options(group_of(parser, WHAT))
     _add_place_options(group_of(parser, PLACE))
@@ -166,12 +165,12 @@ def run(options: argparse.Namespace) -> None:
         document = new_document(wanted)
     take_layer(document, options.layer)
     before = Before.of(document)
-    told = press(document, options)
+    summary = press(document, options)
     say_if_over(fraction_over(document, before))
     with ProgressBar("writing", enabled=not options.quiet) as progress:
         document.export(options.out, progress=progress)
     if not options.quiet:
-        sys.stdout.write(f"{options.out}: {told}\n")
+        sys.stdout.write(f"{options.out}: {summary}\n")
 
 
 def check_seal(options: argparse.Namespace) -> None:
@@ -197,18 +196,19 @@ def check_seal(options: argparse.Namespace) -> None:
 
 
 def press(document: Document, options: argparse.Namespace) -> str:
-    """Cut a seal and press it where it is asked for, or at the first place that has room.
+    """Cut a seal and press it at the given position, or at the first one that has room.
 
     Returns
     -------
     str
-        What was pressed, for people.
+        A summary of the seal.
 
     Raises
     ------
     Paint3DError
         If it cannot be cut, or there is no place for it.
     """
+    from paint3d.calligraphy.layout import frames_for
     from paint3d.calligraphy.seal.stone import cut_seal
     from paint3d.colour.inks import load_ink
 
@@ -230,7 +230,9 @@ def press(document: Document, options: argparse.Namespace) -> str:
     rings = [ring.tolist() for ring in seal.rings]
     angle, fault = math.radians(options.rotate), None
     with ProgressBar("pressing", enabled=not options.quiet):
-        for frame in _frames(document, options):
+        closest = document.surface.closest_points
+        frames = frames_for(closest, options.at, options.side)
+        for frame in islice(frames, _MOST_PLACES):
             up = math.cos(angle) * frame.y_axis - math.sin(angle) * frame.x_axis
             try:
                 touched = document.press_seal(rings, frame.origin.tolist(), up.tolist(), **given)
@@ -247,12 +249,3 @@ def press(document: Document, options: argparse.Namespace) -> str:
         f"{seal.text}, {seal.style}, {seal.width_mm:.1f} x {seal.height_mm:.1f} mm, "
         f"{100.0 * touched:.0f} % touched"
     )
-
-
-def _frames(document: Document, options: argparse.Namespace) -> Iterator[SurfaceFrame]:
-    from itertools import islice
-
-    from paint3d.calligraphy.layout import frames_for
-
-    closest = document.surface.closest_points
-    yield from islice(frames_for(closest, options.at, options.side), _MOST_PLACES)

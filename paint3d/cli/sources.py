@@ -1,4 +1,4 @@
-"""What `paint3d write` writes: a text in known characters or in a font, a drawing, or strokes."""
+"""Sources of `paint3d write`: a text in known characters or in a font, a drawing, strokes."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ _OF_A_FONT = ("font_number", "features", "font_axes", "direction", "language")
 
 
 def add_source_options(parser: argparse.ArgumentParser) -> None:
-    """Add what is written instead of a text, and the file that its strokes are kept in."""
+    """Add the sources other than a text, and the file to save their strokes in."""
     source = group_of(parser, WHAT)
     _add_font_options(source)
     add_drawing_options(source, "write a drawing instead of a text")
@@ -61,7 +61,7 @@ def add_source_options(parser: argparse.ArgumentParser) -> None:
 
 
 def add_rehearsals_option(parser: argparse._ActionsContainer, which: str = "") -> None:
-    """Add ``--rehearsals``, of which things said first; None where it is not given."""
+    """Add ``--rehearsals``; `which` begins its help; None by default."""
     parser.add_argument(
         "--rehearsals",
         metavar="N",
@@ -78,7 +78,7 @@ def _parse_rehearsals(text: str) -> int:
 
 
 def add_drawing_options(parser: argparse._ActionsContainer, what: str) -> None:
-    """Add ``--svg``, which `what` says the meaning of, and ``--ids``."""
+    """Add ``--svg``, with its help, and ``--ids``."""
     parser.add_argument("--svg", metavar="FILE", type=Path, help=what)
     parser.add_argument(
         "--ids",
@@ -123,14 +123,14 @@ def _add_font_options(parser: argparse._ActionsContainer) -> None:
 
 
 def parse_face(text: str) -> int:
-    """A whole number, 0 or more."""
+    """Parse a whole number, 0 or more."""
     if not (text.isascii() and text.isdigit() and len(text) < 7):
         raise argparse.ArgumentTypeError(f"{text!r} is not a number; expected 0 or more")
     return int(text)
 
 
 def _parse_features(text: str) -> dict[str, int]:
-    """Tags of four letters with a number; alone 1, with a minus before it 0."""
+    """Parse tags of four letters with a number; alone 1, with a minus before it 0."""
     features = {}
     for part in text.split(","):
         tag, _, number = part.strip().partition("=")
@@ -202,7 +202,7 @@ def check_source(options: argparse.Namespace) -> None:
 
 
 def open_page(options: argparse.Namespace) -> Composer | None:
-    """The page that is to be written; None where it is a text in known characters.
+    """Open the page to write; None for a text in known characters.
 
     Raises
     ------
@@ -221,7 +221,7 @@ def open_page(options: argparse.Namespace) -> Composer | None:
 
 
 def _open_text(options: argparse.Namespace) -> FontText:
-    """The text in a font; the strokes of characters are known from a folder or `kanjivg`."""
+    """Set the text in a font; strokes of known characters are from a folder or `kanjivg`."""
     from paint3d.calligraphy.fonts.font_file import open_font
     from paint3d.calligraphy.fonts.shaping import Style
     from paint3d.calligraphy.fonts.typesetting import set_text
@@ -236,7 +236,7 @@ def _open_text(options: argparse.Namespace) -> FontText:
 
 
 def save_written(written: Written, file: Path) -> None:
-    """Keep the strokes of what was written, as it was composed.
+    """Save the strokes of a text or a drawing, as it was composed.
 
     Raises
     ------
@@ -250,7 +250,7 @@ def save_written(written: Written, file: Path) -> None:
 
 
 # ---- Pads ----------------------------------------------------------------------------------------
-# Recordings from a flat pad: where on the object, and how large, they are laid.
+# Recordings from a flat pad, laid on the object.
 
 
 def lay_on(
@@ -259,7 +259,7 @@ def lay_on(
     place: tuple[float, float] | None,
     width_mm: float | None,
 ) -> Recording | LaidPad:
-    """The recording in the world: laid on the mesh if it is a pad's, else as it is.
+    """Return the recording in the world: laid on the mesh if it is a pad's, else as it is.
 
     A pad's recording that knows no dips gets one before every stroke.
 
@@ -268,9 +268,9 @@ def lay_on(
     mesh : TriangleMesh
     recording : Recording
     place : (float, float) or None
-        Where its middle goes, as `paint3d.mesh.placement.place` takes it; None: the middle.
+        Of its middle, as `paint3d.mesh.placement.place` takes it; None: the middle.
     width_mm : float or None
-        How wide to lay it; None: as wide as it was drawn.
+        None: as wide as it was drawn.
 
     Raises
     ------

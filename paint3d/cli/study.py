@@ -108,7 +108,7 @@ def _add_measuring(parser: argparse.ArgumentParser) -> None:
 
 
 def run(options: argparse.Namespace) -> None:
-    """Plan a study, keep an answer, print its table, or write its page.
+    """Plan a study, save an answer, print its table, or write its page.
 
     Raises
     ------
@@ -145,8 +145,8 @@ def _answer(options: argparse.Namespace) -> None:
     sys.stdout.write(f"{file}: {options.participant} prefers {options.prefers}\n")
 
 
-def _measured(options: argparse.Namespace, written: Path | None, suffix: str) -> StudyTable:
-    """The results, if the file that is to be written can be."""
+def _measure(options: argparse.Namespace, written: Path | None, suffix: str) -> StudyTable:
+    """Measure the trials, if the file to write can be written."""
     from paint3d.app.model.studies.plan import ANSWERS_NAME, PLAN_NAME, load_plan
 
     plan = load_plan(options.folder)
@@ -178,7 +178,7 @@ def _measured(options: argparse.Namespace, written: Path | None, suffix: str) ->
 
 
 def _table(options: argparse.Namespace) -> None:
-    table = _measured(options, options.json, ".json")
+    table = _measure(options, options.json, ".json")
     if options.json is not None:
         report = {"versions": find_versions(), **table.to_json()}
         text = json_text(report, indent=2, allow_nan=False)
@@ -190,7 +190,7 @@ def _table(options: argparse.Namespace) -> None:
 def _report(options: argparse.Namespace) -> None:
     from paint3d.app.model.studies.report import page_of
 
-    table = _measured(options, options.out, ".html")
+    table = _measure(options, options.out, ".html")
     with write_atomically(options.out) as part:
         part.write_text(page_of(table), encoding="utf-8", errors="backslashreplace")
     if not options.quiet:

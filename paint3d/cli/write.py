@@ -154,9 +154,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_task_options(parser: argparse.ArgumentParser, **unsaid: str) -> None:
-    """Add where strokes are written, with what, and which files are made: what `carry_out` asks.
+    """Add the options of `carry_out`: position, brush and ink, and the files to write.
 
-    `unsaid` tells what stands for options that are not given, where a command differs.
+    `unsaid` are the help's texts of defaults, where a command differs.
     """
     unsaid = {"brush": "one that suits the size", "ink": WRITING_INK, **unsaid}
     PaintingOptions.add_to(parser, unsaid=unsaid)
@@ -268,9 +268,9 @@ def carry_out(
     options : Namespace
     wanted : PaintingOptions
     write : callable
-        `write_page` or `write_text`, with what is written.
+        `write_page` or `write_text`, with its text or page bound.
     source : dict
-        What the recording's header says of it besides.
+        Added to the recording's header.
     dips : {"auto", "always"} or int
         See `apply_dip_option`.
     trials : int
@@ -284,6 +284,7 @@ def carry_out(
         If it does not fit, cannot be planned, or a file cannot be written.
     """
     from paint3d.files.project.session import is_session_path
+    from paint3d.recording.recording import save_recording
 
     film = film_of(options)
     is_signed = bool(getattr(options, "sign", None) or getattr(options, "seal", None))
@@ -302,7 +303,7 @@ def carry_out(
     if document is None and signature is not None:
         document = new_document(wanted)
     if document is None:
-        surface = _made_ready(wanted, settings, seconds, flat=as_outlines)
+        surface = _prepare_object(wanted, settings, seconds, flat=as_outlines)
     else:
         surface = document.surface
         if as_outlines:
@@ -314,7 +315,7 @@ def carry_out(
         if not options.around:
             say_if_hidden(written, surface)
     if trials:
-        written = _rehearsed(written, surface, wanted, seconds, trials, sheet)
+        written = _rehearse(written, surface, wanted, seconds, trials, sheet)
     recording = inked(written, surface)
     watch = None if film is None else film.of_recording(surface, recording, wanted.spread)
     if document is None:
@@ -324,8 +325,8 @@ def carry_out(
         if signature is not None:
             sign(document, signature, wanted, written, seconds)
     header, written = recording.header, replace(written, recording=recording)
-    told = {key: header[key] for key in ("glyphs", "source") if key in header}
-    painting.counts.update(told, characters=written.characters)
+    source_words = {key: header[key] for key in ("glyphs", "source") if key in header}
+    painting.counts.update(source_words, characters=written.characters)
     if as_outlines:
         with timed(painting.seconds, "export"):
             with ProgressBar("writing", enabled=not options.quiet):
@@ -337,16 +338,20 @@ def carry_out(
             write_report(options.report, painting)
     else:
         finish(painting, options, watch)
-    _write_beside(options, written)
+    if options.recording is not None:
+        with ProgressBar("writing", enabled=not options.quiet) as progress:
+            save_recording(written.recording, options.recording, progress)
+    if options.save_strokes is not None:
+        save_written(written, options.save_strokes)
     if not options.quiet:
         sys.stdout.write(f"{options.out}: {painting.summarize()}\n")
     return written, painting
 
 
 def settle_size(options: argparse.Namespace, on: str) -> None:
-    """Give a text without a size one that lets it fill the sheet it is for, or the usual size.
+    """Give a text without a size the one that fills its sheet, or the usual one.
 
-    Its columns, distances and place are then settled, too.
+    Its columns, distances and position are then set, too.
     """
     if options.size is not None:
         return
@@ -360,45 +365,47 @@ def settle_size(options: argparse.Namespace, on: str) -> None:
     from paint3d.mesh.sheets import parse_sheet
 
     sheet = parse_sheet(on)
-    found = compose(
+    signature = None  # of so many characters; 0 for a seal alone
+    if options.sign or options.seal:
+        signature = len("".join((options.sign or "").split()))
+    composition = compose(
         sheet, text, options.layout or "columns",
-        signature=_signature_length(options), gap=options.gap, between=options.between,
+        signature=signature, gap=options.gap, between=options.between,
     )  # fmt: skip
-    if found is None:
+    if composition is None:
         return
-    options.text = "\n".join(found.lines)
-    options.size, options.gap, options.between = found.em_mm, found.gap, found.between
-    if found.point is not None:
-        options.at = place_on(sheet, found.point)
+    options.text = "\n".join(composition.lines)
+    options.size, options.gap, options.between = (
+        composition.em_mm,
+        composition.gap,
+        composition.between,
+    )
+    if composition.point is not None:
+        options.at = place_on(sheet, composition.point)
     if not options.quiet:
-        n, lines = len("".join(found.lines)), len(found.lines)
+        n, lines = len("".join(composition.lines)), len(composition.lines)
         what = "row" if options.layout == "row" else "column"
         sys.stderr.write(
-            f"{n} character{'s' if n > 1 else ''} of {found.em_mm:.0f} mm in {lines} {what}"
+            f"{n} character{'s' if n > 1 else ''} of {composition.em_mm:.0f} mm in {lines} {what}"
             f"{'s' if lines > 1 else ''} fill{'' if n > 1 else 's'} the sheet\n"
         )
 
 
-def _signature_length(options: argparse.Namespace) -> int | None:
-    """Characters of the signature that is asked for; 0 for a seal alone, None for neither."""
-    return len("".join((options.sign or "").split())) if options.sign or options.seal else None
-
-
 def _say_if_coarse(em_mm: float, surface: PaintedSurface) -> None:
-    """Tell that fine strokes of a text come out ragged, where vertices lie too far apart for it."""
-    apart = surface.resolution
-    if apart is not None and apart * _FINE > em_mm:
+    """Warn that fine strokes of a text come out ragged, if vertices lie too far apart for them."""
+    spacing = surface.resolution
+    if spacing is not None and spacing * _FINE > em_mm:
         _LOG.warning(
             "vertices %g mm apart are too coarse for characters of %g mm: thin strokes come out "
             "ragged; expected --resolution %.2g where the object is made ready",
-            apart,
+            spacing,
             em_mm,
             em_mm / _FINER,
         )
 
 
 def say_if_hidden(written: Written, surface: PaintedSurface) -> None:
-    """Tell that a text goes farther round a body than one sees from one side."""
+    """Warn that a text goes farther round a body than is seen from one side."""
     import numpy as np
 
     from paint3d.mesh.placement import turns_of
@@ -421,14 +428,14 @@ def say_if_hidden(written: Written, surface: PaintedSurface) -> None:
 
 
 def inked(written: Written, surface: PaintedSurface) -> Recording:
-    """The recording of a plan, as dry and as pale as it asks for on this surface."""
+    """Return the recording of a plan, as dry and as pale as it asks for on this surface."""
     from paint3d.calligraphy.flying_white import with_ink
 
     return with_ink(written.recording, written.dryness, written.strength, surface.material)
 
 
 class Signature(NamedTuple):
-    """What stands beside a text, read before anything is painted.
+    """A signature and a seal beside a text, read before anything is painted.
 
     Attributes
     ----------
@@ -453,13 +460,13 @@ def signature_of(options: argparse.Namespace) -> Signature:
     Paint3DError
         If there is no glyph for one of their characters, or the seal cannot be cut.
     """
-    asked = argparse.Namespace(**vars(options))
-    asked.text = "".join((options.sign or "").split())
-    if options.sign is not None and not asked.text:
+    own = argparse.Namespace(**vars(options))
+    own.text = "".join((options.sign or "").split())
+    if options.sign is not None and not own.text:
         raise InputError("--sign has no characters; expected a signature")
-    asked.svg = asked.strokes = asked.at = None
-    asked.around = False
-    asked.layout = asked.layout or "columns"
+    own.svg = own.strokes = own.at = None
+    own.around = False
+    own.layout = own.layout or "columns"
     cut = None
     if options.seal:
         from paint3d.calligraphy.fonts.fallback import with_fallback
@@ -468,8 +475,8 @@ def signature_of(options: argparse.Namespace) -> Signature:
 
         source = with_fallback(open_glyphs(options.glyphs), options.seal)
         cut = partial(cut_known, options.seal, source, "zhuwen")
-        cut(_USUAL_MM)  # refused now if ever
-    return Signature(asked, planner(asked) if asked.text else None, cut)
+        cut(_USUAL_MM)  # so that it is refused before painting
+    return Signature(own, planner(own) if own.text else None, cut)
 
 
 def sign(
@@ -488,27 +495,27 @@ def sign(
     """
     from paint3d.calligraphy.composition import sign_beside
 
-    asked = signature.options
-    mesh, order = document.surface.source, asked.layout or "columns"
-    beside = sign_beside(mesh, [piece.square for piece in written.placed], len(asked.text), order)
+    own = signature.options
+    mesh, order = document.surface.source, own.layout or "columns"
+    beside = sign_beside(mesh, [piece.square for piece in written.placed], len(own.text), order)
     if signature.planner is not None:
-        asked.size, asked.between = beside.em_mm, beside.between
+        own.size, own.between = beside.em_mm, beside.between
         if not wanted.brush:
-            asked.brush = None
+            own.brush = None
         make, source = signature.planner
-        settings = settings_of(asked)
-        line = plan(asked, document.surface, make, settings, source, DIPS, seconds, beside.point)
+        settings = settings_of(own)
+        line = plan(own, document.surface, make, settings, source, DIPS, seconds, beside.point)
         paint_onto(document, inked(line, document.surface), wanted, seconds)
     if signature.cut is not None:
         rings = [ring.tolist() for ring in signature.cut(beside.seal_mm).rings]
-        with ProgressBar("pressing", enabled=not asked.quiet):
+        with ProgressBar("pressing", enabled=not own.quiet):
             document.press_seal(rings, beside.seal_point.tolist(), beside.up.tolist())
 
 
-def _made_ready(
+def _prepare_object(
     wanted: PaintingOptions, settings: WritingSettings, seconds: dict[str, float], *, flat: bool
 ) -> PaintedSurface:
-    """The object's surface; what the brush's bent shapes are looked up in is made beside."""
+    """Return the object's surface; the brush's table of bent shapes is built beside."""
     from paint3d.brush.bending import build_tuft
     from paint3d.core.ahead import beside
 
@@ -519,7 +526,7 @@ def _made_ready(
         return prepare(mesh, wanted, seconds)
 
 
-def _rehearsed(
+def _rehearse(
     written: Written,
     surface: PaintedSurface,
     wanted: PaintingOptions,
@@ -527,7 +534,7 @@ def _rehearsed(
     trials: int,
     sheet: FlatPage | None,
 ) -> Written:
-    """A plan, corrected by what comes of it on fresh surfaces."""
+    """Correct a plan by trials on fresh surfaces."""
     from paint3d.calligraphy.photo.rehearsal import rehearse
     from paint3d.surface.painted_surface import PaintedSurface
 
@@ -538,24 +545,13 @@ def _rehearsed(
     return rehearse(written, on_trial, surface.material, trials, sheet)
 
 
-def _write_beside(options: argparse.Namespace, written: Written) -> None:
-    """Write the recording and the strokes where they are asked for."""
-    from paint3d.recording.recording import save_recording
-
-    if options.recording is not None:
-        with ProgressBar("writing", enabled=not options.quiet) as progress:
-            save_recording(written.recording, options.recording, progress)
-    if options.save_strokes is not None:
-        save_written(written, options.save_strokes)
-
-
 def check_files(
     options: argparse.Namespace,
     wanted: PaintingOptions,
     sources: Iterable[str | Path | None],
     also: Iterable[Path | None] = (),
 ) -> None:
-    """Refuse files that could not be written at the end, or that are read from.
+    """Refuse output files that could not be written at the end, or that are inputs.
 
     `sources` are read, and `also` written, besides what the options of `add_task_options` name.
 
@@ -584,7 +580,7 @@ def check_files(
 
 
 def planner(options: argparse.Namespace) -> tuple[Callable[..., Written], dict[str, str]]:
-    """What plans a page, or a text in characters that are known, and where these are from."""
+    """Return a function that plans a page or a text in known characters, and their source."""
     from paint3d.calligraphy.glyph_sources import has_letters, missing_glyphs, open_glyphs
     from paint3d.calligraphy.writing import write_page, write_text
 
@@ -613,7 +609,7 @@ def plan(
     seconds: dict[str, float],
     point: AnyArray | None = None,
 ) -> Written:
-    """Plan what is written on a surface, dips included, telling the progress; see `carry_out`."""
+    """Plan a text or a page on a surface with its dips, showing progress; see `carry_out`."""
     from paint3d.calligraphy.dips import apply_dip_option
     from paint3d.calligraphy.layout import Layout
     from paint3d.colour.inks import describe_ink, load_ink
@@ -633,7 +629,7 @@ def plan(
     label = f"planning {n} character{'s' if n > 1 else ''}" if n else "planning"
     with timed(seconds, "plan"), ProgressBar(label, enabled=not options.quiet) as bar:
 
-        def tell(character: str, fraction: float) -> None:
+        def report(character: str, fraction: float) -> None:
             if not options.quiet:
                 bar.note(f"planned {character}")
             bar(fraction)
@@ -644,14 +640,14 @@ def plan(
             layout=layout,
             header=header,
             processes=options.processes or usable_cores(),
-            progress=tell,
+            progress=report,
         )
         dipped = apply_dip_option(written.recording, settings.brush, dips, surface.material)
         return replace(written, recording=dipped)
 
 
 def settings_of(options: argparse.Namespace) -> WritingSettings:
-    """The brush that is asked for, or that suits the size, and how it is held."""
+    """Return the settings of writing: the given brush or the one that suits the size, its hold."""
     from paint3d.brush.presets import brush_for, load_brush
     from paint3d.calligraphy.path_fit import PlanSettings
     from paint3d.calligraphy.writing import WritingSettings

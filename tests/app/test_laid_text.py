@@ -392,7 +392,7 @@ def test_a_text_fills_a_sheet_until_a_number_is_given(program) -> None:
         panel.text.setPlainText("一二\n三四\n五六\n七八")
         panel.ask()
         wait_for(lambda: window.document.texts)
-        book = window.copying.held().book
+        book = window.copying.chosen_text().book
         assert len(book.ghosts) == 8
         assert 8 * panel.em.value() ** 2 > 0.3 * 100.0 * 150.0
         assert [len(line) for line in book.lines.split("\n")] == [4, 4]
@@ -401,7 +401,7 @@ def test_a_text_fills_a_sheet_until_a_number_is_given(program) -> None:
         assert not panel.fills
         panel.text.setPlainText("一二")
         panel.ask()
-        wait_for(lambda: len(window.copying.held().book.ghosts) == 2)
+        wait_for(lambda: len(window.copying.chosen_text().book.ghosts) == 2)
         assert window.document.texts[0].em_mm == 15.0
 
 

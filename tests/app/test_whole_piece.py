@@ -177,13 +177,13 @@ def test_a_fan_with_bamboo_in_wet_ink_is_signed_sealed_and_kept(window, tmp_path
     type_key(window.canvas, KEY.Key_Z, CONTROL | SHIFT)
     wait_for(lambda: len(window.document.strokes) == 5)
     sign(window)
-    before = window.copying.held().book.lines
-    middle = window.hand.pixels_of(window.copying.held().book.block.frame.origin[None])[0]
+    before = window.copying.chosen_text().book.lines
+    middle = window.hand.pixels_of(window.copying.chosen_text().book.block.frame.origin[None])[0]
     start = middle / [window.canvas.width(), window.canvas.height()]
     drag(window.canvas, start, start + np.array([0.2, 0.04]))
     wait_for(lambda: window.document.texts[0].point is not None)
     settled(window)
-    assert window.copying.held().book.lines == before
+    assert window.copying.chosen_text().book.lines == before
     type_key(window.canvas, KEY.Key_Escape)
     write(window)
     press_seal(window)

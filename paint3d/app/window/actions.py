@@ -1,4 +1,4 @@
-"""The actions of a window: their texts, keys and icons, and where they stand."""
+"""The actions of a window: their texts, keys and icons, their menus and tools."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from paint3d.app.window.workspace import Workspace
 __all__ = ["Actions"]
 
 _LARGE, _SMALL = QtCore.QSize(19, 19), QtCore.QSize(16, 16)
-_TIGHTEST = 2  # how close together tools are drawn: from 0 to this
-_NEVER_LOST = ("undo", "redo")  # asked for while they look disabled, too: see `Actions.bind`
+_TIGHTEST = 2  # spacing of the tools: from 0, wide, to this
+_NEVER_LOST = ("undo", "redo")  # work even while they look disabled: see `Actions.bind`
 
 
 class Actions:
@@ -25,9 +25,9 @@ class Actions:
     Parameters
     ----------
     workspace : Workspace
-        Whose `actions` they become.
+        Gets them as its `actions`.
     tapped : collection of str
-        Names of those whose keys are listened for elsewhere.
+        Names of those whose keys are handled elsewhere.
 
     Attributes
     ----------
@@ -51,7 +51,16 @@ class Actions:
                 if action == "open":
                     self.recent = menu.addMenu(say("Open recent"))
                     self.unsaved = menu.addMenu(say("Recover unsaved work"))
-        self.tools = self._make_tools()
+        self.tools = bar = QtWidgets.QToolBar(say("Tools"))
+        bar.setObjectName("tools")
+        bar.setMovable(False)
+        bar.setIconSize(_LARGE)
+        workspace.window.addToolBar(QtCore.Qt.ToolBarArea.LeftToolBarArea, bar)
+        for name in TOOLS:
+            if name == "-":
+                bar.addSeparator()
+            else:
+                bar.addAction(workspace.actions[name])
         self._heights: dict[int, int] = {}  # of the tools, by how close together they are
         workspace.theme_changed.connect(self._set_theme)
 
@@ -72,25 +81,12 @@ class Actions:
         workspace.actions[name] = action
         return action
 
-    def _make_tools(self) -> QtWidgets.QToolBar:
-        bar = QtWidgets.QToolBar(say("Tools"))
-        bar.setObjectName("tools")
-        bar.setMovable(False)
-        bar.setIconSize(_LARGE)
-        self._workspace.window.addToolBar(QtCore.Qt.ToolBarArea.LeftToolBarArea, bar)
-        for name in TOOLS:
-            if name == "-":
-                bar.addSeparator()
-            else:
-                bar.addAction(self._workspace.actions[name])
-        return bar
-
     def bind(self, handlers: Iterable[object]) -> None:
-        """Have each command done by the one of the handlers that has a ``do_<name>``.
+        """Connect each command to the handler that has a ``do_<name>``.
 
         One that only changes the painting, and needs no argument, is posted to the painting thread.
-        Undo and redo look as the last frame says. Their keys and taps are heard whatever it says:
-        what was asked for since may have brought something to undo or redo.
+        Undo and redo are shown enabled or not by the last frame. Their keys and taps always work:
+        commands since that frame may have brought something to undo or redo.
         """
         handlers = tuple(handlers)
         for name, action in self._workspace.actions.items():
@@ -108,24 +104,24 @@ class Actions:
         self._workspace.post(command.name)
 
     def _bind_shortcut(self, name: str, do: Callable[[], object]) -> None:
-        """Do what an action does by its keys while it is disabled, and so swallows them."""
+        """Do an action's command by its keys while it is disabled, and so does not."""
         action = self._workspace.actions[name]
         keys = QtGui.QShortcut(self._workspace.window)
         keys.setKeys(action.shortcuts())
         keys.activated.connect(do)
-        keys.setEnabled(not action.isEnabled())  # else they would be ambiguous, and do nothing
+        keys.setEnabled(not action.isEnabled())  # or Qt calls them ambiguous, and does nothing
         action.changed.connect(lambda: keys.setEnabled(not action.isEnabled()))
         self._do[name] = do
 
     def trigger(self, name: str) -> None:
-        """Ask for one by its name."""
+        """Trigger an action by its name."""
         if name in self._do:
             self._do[name]()
         else:
             self._workspace.actions[name].trigger()
 
     def set_open(self, is_open: bool) -> None:
-        """Let what needs a painting be asked for, or not; what was lit for another one goes out."""
+        """Enable or disable commands that need a painting; uncheck those of the one before."""
         for name, action in self._workspace.actions.items():
             command = COMMANDS[name]
             action.setEnabled((is_open and name not in _NEVER_LOST) or command.always)
@@ -133,7 +129,7 @@ class Actions:
                 self.check(name, False)
 
     def check(self, name: str, on: bool) -> None:
-        """Show one as on or off, and do nothing."""
+        """Show an action as on or off, without doing it."""
         with QtCore.QSignalBlocker(self._workspace.actions[name]):
             self._workspace.actions[name].setChecked(on)
 
@@ -151,7 +147,7 @@ class Actions:
         self._draw_tools(tight)
 
     def _draw_tools(self, tight: int) -> None:
-        """Draw them closer together, or not."""
+        """Draw the tools with one of the spacings."""
         tools = self.tools
         if tools.property("tight") == tight:
             return

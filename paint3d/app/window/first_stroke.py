@@ -14,27 +14,27 @@ import sys
 import time
 from typing import Any
 
-_HEARS = "hears the hand"  # the last that `start` tells
+_HEARS = "hears the hand"  # the last that `start` logs
 _PAINTED = "stroke painted"
 _LOOK_MS = 5
-_WAY = (0.0, 4.0, 8.0, 12.0)  # pixels across the middle
+_PATH = (0.0, 4.0, 8.0, 12.0)  # pixels across the middle
 
 
 class _Milestones(logging.Handler):
-    """Writes what the start of the window tells, and goes on with a stroke."""
+    """Writes the milestones that the window's start logs, then begins a stroke."""
 
     def __init__(self, since: float) -> None:
         super().__init__()
         self._since = since
 
     def emit(self, record: logging.LogRecord) -> None:
-        """One line."""
+        """Write a milestone; begin the stroke at the last one."""
         self.write(record.getMessage())
         if record.getMessage() == _HEARS:
-            self._stroke = _Stroke(self)  # Qt keeps nobody alive
+            self._stroke = _Stroke(self)  # Qt keeps no reference
 
     def write(self, what: str) -> None:
-        """Write it with its time."""
+        """Write a milestone with its time."""
         sys.stdout.write(f"{time.monotonic() - self._since:.4f} {what}\n")
         sys.stdout.flush()
 
@@ -50,21 +50,21 @@ class _Stroke:
         self._window = next(widget for widget in widgets if widget.objectName() == "studio")
         kinds, buttons = QtCore.QEvent.Type, QtCore.Qt.MouseButton
         left, none = buttons.LeftButton, buttons.NoButton
-        self._send(kinds.MouseButtonPress, _WAY[0], left, left)
-        for x in _WAY:
+        self._send(kinds.MouseButtonPress, _PATH[0], left, left)
+        for x in _PATH:
             self._send(kinds.MouseMove, x, none, left)
-        self._send(kinds.MouseButtonRelease, _WAY[-1], left, none)
+        self._send(kinds.MouseButtonRelease, _PATH[-1], left, none)
         self._timer = QtCore.QTimer(self._window)
         self._timer.timeout.connect(self._look)
         self._timer.start(_LOOK_MS)
 
-    def _send(self, kind: Any, x: float, button: Any, held: Any) -> None:
+    def _send(self, kind: Any, x: float, button: Any, down: Any) -> None:
         from PySide6 import QtCore, QtGui, QtWidgets
 
         canvas = self._window.canvas
-        place = QtCore.QPointF(canvas.rect().center()) + QtCore.QPointF(x, 0.0)
+        position = QtCore.QPointF(canvas.rect().center()) + QtCore.QPointF(x, 0.0)
         keys = QtCore.Qt.KeyboardModifier.NoModifier
-        event = QtGui.QMouseEvent(kind, place, canvas.mapToGlobal(place), button, held, keys)
+        event = QtGui.QMouseEvent(kind, position, canvas.mapToGlobal(position), button, down, keys)
         event.setTimestamp(int(1000.0 * time.monotonic()))
         QtWidgets.QApplication.sendEvent(canvas, event)
 
@@ -75,7 +75,7 @@ class _Stroke:
 
 
 def main() -> None:
-    """Become the program."""
+    """Run the program, with its start logged."""
     log = logging.getLogger("paint3d.start")
     log.addHandler(_Milestones(float(sys.argv[1])))
     log.setLevel(logging.DEBUG)

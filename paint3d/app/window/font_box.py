@@ -1,4 +1,4 @@
-"""A box to choose a font of the system in, each shown in itself; asked for when first wanted."""
+"""A box of the system's fonts, each shown in itself; they are listed when first needed."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class FontBox(QtWidgets.QComboBox):
     Parameters
     ----------
     first : str
-        What is taken without a font, in words.
+        Text of the choice without a font.
     """
 
     def __init__(self, first: str) -> None:
@@ -38,11 +38,11 @@ class FontBox(QtWidgets.QComboBox):
 
     @property
     def font_name(self) -> str:
-        """The family that is chosen; none for the first choice."""
+        """The chosen family; empty for the first choice."""
         return str(self.currentData())
 
     def show_font(self, family: str) -> None:
-        """Show that a family is chosen."""
+        """Show a family as chosen."""
         if self.findData(family) < 0:
             self._fill()
         if self.findData(family) < 0:
@@ -61,7 +61,7 @@ class FontBox(QtWidgets.QComboBox):
         super().focusInEvent(event)
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
-        """Leave the wheel to what it scrolls, unless one is choosing."""
+        """Leave the wheel to the panel around, unless the box has the focus."""
         if self.hasFocus():
             super().wheelEvent(event)
         else:
@@ -74,7 +74,7 @@ class FontBox(QtWidgets.QComboBox):
         try:
             families = dict.fromkeys(font.family for font in list_fonts())
         except InputError:
-            return  # nobody can be asked
+            return  # the system lists no fonts
         with QtCore.QSignalBlocker(self):
             for family in families:
                 if self.findData(family) < 0:
@@ -107,6 +107,6 @@ class _InItself(QtWidgets.QStyledItemDelegate):
 
 @lru_cache(maxsize=1024)
 def _sample(family: str) -> str:
-    """Characters that show a font: Chinese ones where it has them."""
+    """Return characters that show a font: Chinese ones if it has them."""
     known = QtGui.QFontDatabase.writingSystems(family)
     return _CHINESE if any(one in known for one in _HAN) else _LATIN

@@ -16,7 +16,7 @@ LEAST_PIXELS, MOST_PIXELS = 64, 4096
 
 
 def buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBox:
-    """OK, by another name, and Cancel."""
+    """Return buttons: OK, by another name, and Cancel."""
     standard = QtWidgets.QDialogButtonBox.StandardButton
     box = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
     box.button(standard.Ok).setText(accept)
@@ -26,19 +26,19 @@ def buttons(dialog: QtWidgets.QDialog, accept: str) -> QtWidgets.QDialogButtonBo
     return box
 
 
-def stored_number(kept: Mapping[str, object], name: str, default: float) -> float:
-    """A number that was kept under a name; the default where there is none."""
-    value = kept.get(name)
+def stored_number(stored: Mapping[str, object], name: str, default: float) -> float:
+    """Return a number stored under a name; the default where there is none."""
+    value = stored.get(name)
     if not isinstance(value, int | float) or isinstance(value, bool) or not math.isfinite(value):
         return default
     return float(value)
 
 
 class _WithoutWheel(QtCore.QObject):
-    """Leaves the wheel to what scrolls, where nobody has clicked into a number or a list."""
+    """Leaves the wheel to the area around a number or a list without the focus."""
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Stop a wheel over what has no focus, and hand it on to what it lies in."""
+        """Ignore a wheel over a widget without the focus, so that its parent gets it."""
         if event.type() != QtCore.QEvent.Type.Wheel or watched.hasFocus():  # type: ignore[attr-defined]
             return False
         event.ignore()
@@ -46,7 +46,7 @@ class _WithoutWheel(QtCore.QObject):
 
 
 def leave_wheel_to_scrolling(parent: QtWidgets.QWidget) -> None:
-    """Let no number, slider or list of a panel change by a wheel that scrolls over it."""
+    """Keep a wheel that scrolls over a panel's numbers, sliders and lists from changing them."""
     guard = _WithoutWheel(parent)
     for kind in (QtWidgets.QAbstractSpinBox, QtWidgets.QComboBox, QtWidgets.QSlider):
         for child in parent.findChildren(kind):
@@ -81,7 +81,7 @@ class FormDialog(QtWidgets.QDialog):
     def add_box(
         self, label: str, choices: Mapping[Any, str], chosen: object
     ) -> QtWidgets.QComboBox:
-        """A row to choose one of several: what they mean, by what is chosen."""
+        """Add a row to choose one of several: texts by their values."""
         box = QtWidgets.QComboBox()
         for value, text in choices.items():
             box.addItem(text, value)
@@ -92,7 +92,7 @@ class FormDialog(QtWidgets.QDialog):
     def add_number(
         self, label: str, low: float, high: float, value: float, unit: str = "", digits: int = 0
     ) -> QtWidgets.QDoubleSpinBox:
-        """A row for a number."""
+        """Add a row for a number."""
         box = QtWidgets.QDoubleSpinBox()
         box.setDecimals(digits)
         box.setRange(low, high)
@@ -102,7 +102,7 @@ class FormDialog(QtWidgets.QDialog):
         return box
 
     def add_check(self, text: str, on: bool) -> QtWidgets.QCheckBox:
-        """A row for yes or no."""
+        """Add a row for yes or no."""
         box = QtWidgets.QCheckBox(text)
         box.setChecked(on)
         self.form.addRow("", box)
@@ -122,23 +122,23 @@ class SizeBoxes(QtWidgets.QWidget):
             box.setRange(LEAST_PIXELS, MOST_PIXELS)
             box.setSingleStep(16)
             box.setValue(value)
-        self.kept = QtWidgets.QCheckBox(say("In proportion"))
-        self.kept.setChecked(abs(size[1] - self._ratio * size[0]) <= 1.0)
+        self.keeps_ratio = QtWidgets.QCheckBox(say("In proportion"))
+        self.keeps_ratio.setChecked(abs(size[1] - self._ratio * size[0]) <= 1.0)
         row.addWidget(self.width_box)
         row.addWidget(QtWidgets.QLabel("×"))
         row.addWidget(self.height_box)
-        row.addWidget(self.kept)
+        row.addWidget(self.keeps_ratio)
         self.width_box.valueChanged.connect(lambda n: self._follow(self.height_box, n, self._ratio))
         self.height_box.valueChanged.connect(
             lambda n: self._follow(self.width_box, n, 1.0 / self._ratio)
         )
 
     def _follow(self, box: QtWidgets.QSpinBox, pixels: int, ratio: float) -> None:
-        if self.kept.isChecked():
+        if self.keeps_ratio.isChecked():
             box.blockSignals(True)
             box.setValue(round(pixels * ratio))
             box.blockSignals(False)
 
     def size_in_pixels(self) -> tuple[int, int]:
-        """Width and height."""
+        """Return width and height."""
         return self.width_box.value(), self.height_box.value()

@@ -1,8 +1,8 @@
-"""Collects garbage in the window's thread alone.
+"""Garbage collection in the window's thread alone.
 
-Python looks for cycles of objects that nobody holds in whatever thread happens to make the next
-object. A window that was closed is such a cycle, and Qt's objects must not die in another thread
-than their own: while the window's thread hands them an event, the program ends there and then.
+Python collects unreachable cycles in whatever thread happens to make the next object. A closed
+window is such a cycle, and Qt's objects must not be destroyed in another thread than their own:
+while the window's thread delivers them an event, that crashes the program.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ _REST_S = 60.0  # between searches among all objects, some .05 s each
 
 
 class _Search:
-    """When all objects were last searched."""
+    """The time of the last full collection."""
 
     at_s = 0.0
 
 
 def collect_garbage() -> None:
-    """Collect what is due, as Python itself would, in the thread that calls."""
+    """Collect generations that are due, as Python itself would, in the calling thread."""
     young, middle, old = gc.get_count()
     now = time.monotonic()
     if old > _ROUNDS and now - _Search.at_s > _REST_S:
@@ -44,9 +44,9 @@ def collect_garbage() -> None:
 
 
 def collect_all() -> None:
-    """Collect all that is due, and have its memory given back to the system.
+    """Collect all generations, and give their memory back to the system.
 
-    That takes a tenth of a second where there is much, and is no thread's in particular.
+    Giving back takes up to a tenth of a second, so a thread of its own does it.
     """
     _Search.at_s = time.monotonic()
     gc.collect(2)
@@ -54,10 +54,9 @@ def collect_all() -> None:
 
 
 def collect_later(owner: QtCore.QObject) -> QtCore.QTimer:
-    """What collects all a while after it was last started, as long as its owner lives.
+    """Return a timer that collects all a while after its last start, as long as its owner lives.
 
-    It is started when a painting is let go of: paintings are circles of objects too, of some
-    hundred megabytes.
+    It is started when a painting is closed: paintings are cycles too, of some hundred megabytes.
     """
     timer = QtCore.QTimer(owner, interval=_LATER_MS, singleShot=True)
     timer.timeout.connect(collect_all)
@@ -65,7 +64,7 @@ def collect_later(owner: QtCore.QObject) -> QtCore.QTimer:
 
 
 def collect_here(owner: QtCore.QObject) -> None:
-    """From now on collect garbage in this thread only, as long as its owner lives."""
+    """Collect garbage in this thread only, as long as the owner lives."""
     gc.disable()
     gc.freeze()  # what was imported stays: half of what a whole search looks at
     timer = QtCore.QTimer(owner, interval=_LOOK_MS)

@@ -1,4 +1,4 @@
-"""What lies over the picture: the brush in use, its ink and how much of it is left."""
+"""The plate over the picture: the brush in use, its ink and how much of it is left."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from paint3d.app.window.workspace import Workspace
 __all__ = ["PLATE_ALPHA", "Hud"]
 
 PLATE_ALPHA = 242
-"""How dense the plate is, of 255: its words can be read over paper and over ink."""
+"""Opacity of the plate, of 255: its text is readable over paper and over ink."""
 
 _PORCELAIN = "#f3f0ea"
 _MARGIN, _HEIGHT, _LEAST_WIDTH = 14, 46, 236
-_BESIDE = 52  # where the words begin
-_LEVELS = 56  # of the ink in the dish that can be told apart: half pixels
+_BESIDE = 52  # pixels from the plate's edge to its text
+_LEVELS = 56  # distinct heights of the ink in the dish: half pixels
 
 
 class Hud:
@@ -31,7 +31,7 @@ class Hud:
         workspace.canvas.overlays.append(self.paint)
 
     def paint(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:
-        """Draw it."""
+        """Draw the plate."""
         workspace = self._workspace
         if workspace.stage.paint_thread is None:
             return
@@ -64,13 +64,13 @@ class Hud:
         painter.drawText(below, left, message)
 
     def _words(self, held: HeldInk) -> tuple[str, str]:
-        """Its two lines."""
+        """Return the plate's two lines."""
         brush = self._workspace.paint_thread.brush
         name = f"{say_brush(plain_name(brush))}  ·  {say_length(brush.length_mm)}"
         return name, self.describe(held)
 
     def follow(self) -> None:
-        """Have it drawn again if the brush in use is another than it shows."""
+        """Draw the plate again if brush or ink differ from those it shows."""
         if self._workspace.stage.paint_thread is None:
             return
         held = self._workspace.painting.held
@@ -78,13 +78,13 @@ class Hud:
             self.refresh()
 
     def refresh(self) -> None:
-        """Have it drawn again, where the picture under it is as it was."""
+        """Draw the plate again, over the same picture."""
         canvas, high = self._workspace.canvas, _HEIGHT + 2 * _MARGIN
         self._plate = QtCore.QRectF()
         canvas.update(0, canvas.height() - high, canvas.width(), high)
 
     def describe(self, held: HeldInk) -> str:
-        """How much of which inks the brush holds, in words, or that it erases."""
+        """Format the inks in the brush and how much is left, or that it erases."""
         if self._workspace.hand.erases:
             return say("Eraser: E puts ink on again")
         ink = say("ink {share:.0f} %", share=100 * held.fraction)
@@ -96,7 +96,7 @@ class Hud:
         return f"{ink}  ·  {inks}"
 
     def _paint_drop(self, painter: QtGui.QPainter, plate: QtCore.QRectF, held: HeldInk) -> None:
-        """A dish with as much ink in it as the brush has, the tip's lowest."""
+        """Draw a dish with as much ink in it as the brush has, the tip's lowest."""
         theme = self._workspace.theme
         box = QtCore.QRectF(plate.left() + 9, plate.top() + 7, 32, 32)
         painter.setPen(QtGui.QPen(QtGui.QColor(theme.faint), 1.4))
@@ -117,10 +117,10 @@ class Hud:
 
 
 def _looks(name: str, message: str, held: HeldInk) -> tuple[object, ...]:
-    """All that tells one plate from another."""
+    """Return everything that the plate's picture depends on."""
     return name, message, held.bands, _level(held)
 
 
 def _level(held: HeldInk) -> float:
-    """How high the ink is drawn in the dish, 0 to 1."""
+    """Return the height of the ink in the dish, 0 to 1."""
     return round(_LEVELS * held.fraction) / _LEVELS

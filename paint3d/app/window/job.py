@@ -1,4 +1,4 @@
-"""Long work beside the window: a bar that shows how far it is, and a button that ends it."""
+"""Long work beside the window, with a progress bar and a button to cancel it."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from paint3d.app.window.wording import say, say_left
 
 __all__ = ["JobProgress", "is_waiting", "result_of", "run_beside"]
 
-_SOON_MS = 350  # work that is done by then shows no bar, unless the window itself works, too
+_SOON_MS = 350  # shorter work shows no bar, unless the window itself works, too
 _LOOK_MS = 40
-_GRACE_S = 0.6  # that work has to stop in; then it is left to itself, and what it makes is dropped
+_GRACE_S = 0.6  # that work has to stop in; then it is abandoned, and its result dropped
 _AHEAD, _AHEAD_S = 0.05, 2.0  # the bar moves on by itself, at most so far, half of it in such time
 _STEPS = 1000  # of the bar
-_KNOWN_S, _KNOWN = 3.0, 0.1  # and of the work: from then on it is said how long it still takes
+_KNOWN_S, _KNOWN = 3.0, 0.1  # and of the work: from then on the time left is shown
 
 _KIND = QtCore.QEvent.Type
 _DEAF = frozenset(
@@ -29,23 +29,23 @@ _DEAF = frozenset(
         _KIND.ContextMenu, _KIND.DragEnter, _KIND.Drop, _KIND.Close,
     }
 )  # fmt: skip
-"""What the window does not hear while work goes on that it waits for."""
+"""Events that the window does not get while it waits for work."""
 
 _waiting: list[QtWidgets.QWidget] = []
 
 
 class JobProgress:
-    """Given to the work: how far it is, and whether it should stop."""
+    """Progress of work, and whether it should stop."""
 
     def __init__(self) -> None:
         self._lock = threading.Lock()
         self._stopped = self._settled = False
-        self._reported = 0.0, time.monotonic()  # fraction done, and when that was said
+        self._reported = 0.0, time.monotonic()  # fraction done, and when it was reported
 
     def __call__(self, fraction: float) -> None:
-        """Say how far it is, 0 to 1; with 1 it is done, and cannot be stopped any more.
+        """Report progress, 0 to 1; with 1 it is done, and cannot be stopped any more.
 
-        What is done is never less than what was said before.
+        Progress never falls below what was reported before.
 
         Raises
         ------
@@ -60,14 +60,14 @@ class JobProgress:
 
     @property
     def done(self) -> float:
-        """How far it was said to be last, 0 to 1."""
+        """The progress last reported, 0 to 1."""
         return self._reported[0]
 
     @property
     def fraction(self) -> float:
-        """How far it is to be shown, 0 to 1: what is done, and a little more as time goes by.
+        """The progress to show, 0 to 1: that reported, and a little more as time goes by.
 
-        It is at most 0.05 ahead of what was said last, so it goes back by no more than that.
+        It is at most 0.05 ahead of the report, so it goes back by no more than that.
         """
         done, since = self._reported
         gone = time.monotonic() - since
@@ -79,18 +79,18 @@ class JobProgress:
             raise CancelledError
 
     def stop(self) -> None:
-        """Want it no longer; if it is done, nothing happens."""
+        """Ask the work to stop; if it is done, nothing happens."""
         with self._lock:
             self._stopped = not self._settled
 
     @property
     def is_stopped(self) -> bool:
-        """Whether it is no longer wanted."""
+        """True if it is no longer wanted."""
         return self._stopped
 
 
 def result_of(future: Future[Any], progress: JobProgress) -> Any:
-    """Wait for what somebody else does; what waits in a queue when it is stopped is not begun."""
+    """Wait for a result of another thread; if stopped while it is queued, it is not begun."""
     while not wait([future], timeout=_LOOK_MS / 1e3).done:
         try:
             progress.check()
@@ -115,9 +115,9 @@ def run_beside(
     Parameters
     ----------
     parent : QWidget
-        If work goes on already that this one waits for, nothing is done.
+        If it waits for other work already, nothing is done.
     title : str
-        What is being done.
+        Text of the bar.
     work : callable
         Called with a `JobProgress`, which raises CancelledError once it is to stop.
     here : callable, optional
@@ -144,7 +144,7 @@ def run_beside(
 
 
 def is_waiting(window: QtWidgets.QWidget) -> bool:
-    """Whether a window waits for work beside it."""
+    """Return whether a window waits for work beside it."""
     return window in _waiting
 
 
@@ -164,7 +164,7 @@ def _cancelled() -> Future[Any]:
 
 
 class _Bar(QtCore.QObject):
-    """Shows how far work is, until it has ended or has been left to itself."""
+    """Shows the progress of work, until it has ended or is abandoned."""
 
     def __init__(
         self,
@@ -184,14 +184,14 @@ class _Bar(QtCore.QObject):
         self._dialog = dialog = QtWidgets.QProgressDialog(title, say("Cancel"), 0, _STEPS, parent)
         dialog.setWindowTitle(say("Please wait"))
         dialog.setWindowModality(QtCore.Qt.WindowModality.WindowModal)
-        dialog.setMinimumDuration(10 * _SOON_MS)  # it is shown by us
+        dialog.setMinimumDuration(10 * _SOON_MS)  # `_show` is earlier
         dialog.setMinimumWidth(360)
         dialog.setAutoClose(False)
         dialog.setAutoReset(False)
         dialog.canceled.connect(self._stop)
 
     def wait(self) -> None:
-        """Live until it has ended."""
+        """Run an event loop until the work has ended."""
         soon = QtCore.QTimer(singleShot=True, interval=_SOON_MS)
         soon.timeout.connect(self._show)
         look = QtCore.QTimer(interval=_LOOK_MS if self._here is None else 0)
@@ -234,7 +234,7 @@ class _Bar(QtCore.QObject):
             self._do_here(self._here)
 
     def _is_seen(self) -> bool:
-        """Whether the bar is on the screen, or a while has gone by in which it should have been."""
+        """Return whether the bar is on the screen, or should have been for a while."""
         seen = self._dialog.isVisible() and self._dialog.windowHandle().isExposed()
         return seen or time.monotonic() - self._began > 1e-3 * _SOON_MS
 
@@ -248,13 +248,13 @@ class _Bar(QtCore.QObject):
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
         """Keep clicks and keys from the window."""
-        if event.type() not in _DEAF or not self._is_the_windows(watched):
+        if event.type() not in _DEAF or not self._belongs_to_window(watched):
             return False
         event.setAccepted(event.type() == _KIND.ShortcutOverride)  # else it becomes a shortcut
         return True
 
-    def _is_the_windows(self, watched: QtCore.QObject) -> bool:
-        """Whether an event is for the window itself, something in it, or one of its actions."""
+    def _belongs_to_window(self, watched: QtCore.QObject) -> bool:
+        """Return whether an event is for the window, something in it, or one of its actions."""
         if isinstance(watched, QtWidgets.QWidget):
             return watched.window() is self._window
         return watched is self._window.windowHandle() or watched.parent() is self._window

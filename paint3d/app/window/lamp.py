@@ -1,4 +1,4 @@
-"""The light in the window: which, and whither its lamp is turned; kept with the painting."""
+"""The light in the window: its kind and the lamp's direction, saved with the painting."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _A_PIXEL = math.radians(0.5)
 
 
 class LightDialog(FormDialog):
-    """Ask for a light and whither its lamp is turned; shown at once.
+    """Asks for a light and the lamp's direction; shown at once.
 
     Signals
     -------
@@ -65,7 +65,7 @@ class Lamp:
         workspace.hand.lamp_turned.connect(self.turn_by)
 
     def do_choose_light(self) -> None:
-        """Ask for a light, and show it meanwhile; the one before where none is taken."""
+        """Ask for a light, showing it meanwhile; restore the one before if cancelled."""
         stage = self._workspace.stage
         before = stage.light
         dialog = LightDialog(self._workspace.window, *before)
@@ -91,12 +91,12 @@ class Lamp:
         self._workspace.tell(say("Lamp turned by {degrees:.0f}°", degrees=math.degrees(turn)))
 
     def _set(self, kind: str, turn: float) -> None:
-        """Show the object in a light, which is kept with the painting."""
+        """Show the object in a light, which is saved with the painting."""
         self._workspace.stage.set_light(kind, turn)
         self._workspace.post("set_light", kind, turn)
 
     def recall(self, document: Document) -> None:
-        """Show a painting in the light it was seen in last; the studio's where it says none."""
+        """Show a painting in its last light; by default the studio's."""
         kind, turn = _light_of(document.properties.get("light"))
         self._workspace.stage.set_light(kind, turn)
 

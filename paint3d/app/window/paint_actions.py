@@ -1,4 +1,4 @@
-"""What can be asked of brush, ink, strokes and layers, each by the name of its action."""
+"""Commands of brush, ink, strokes and layers, each by the name of its action."""
 
 from __future__ import annotations
 
@@ -48,16 +48,16 @@ class PaintActions:
     # -- edit -------------------------------------------------------------------------------
 
     def do_undo(self) -> None:
-        """Take the last step back; that of a recording that is replayed, as far as it came."""
+        """Undo the last step; of a replay, as far as it came."""
         if self._workspace.stage.paint_thread is None:
             return
         self._player.take_back()
         self._recalling.undo()
 
     def do_cancel_stroke(self) -> None:
-        """Take the stroke that is going on back, or stop a replay; the keys are the picture's.
+        """Take back the current stroke, or stop a replay; give the focus to the picture.
 
-        The stroke that was chosen is marked no longer.
+        A chosen stroke is no longer marked.
         """
         self._workspace.hand.cancel()
         self._player.do_stop()
@@ -76,11 +76,11 @@ class PaintActions:
         self._post("step_brush", 1)
 
     def do_smoothing(self, on: bool) -> None:
-        """Steady the stroke by a string, or not."""
+        """Switch the steadying of strokes by a string."""
         self._panels.hand.set_smoothing(_STEADY if on else 0.0)
 
     def do_ruler(self, on: bool) -> None:
-        """Lead strokes along a ruler, or not."""
+        """Switch the ruler that strokes follow."""
         self._panels.hand.set_ruler(on)
 
     def do_number(self, k: int) -> None:
@@ -113,12 +113,12 @@ class PaintActions:
 
     def do_pick_colour(self) -> None:
         """Take the ink that lies under the pointer."""
-        found = self._look_up(nearest_vertex)
-        if found is not None:
-            self._post("pick_colour", found)
+        vertex = self._look_up(nearest_vertex)
+        if vertex is not None:
+            self._post("pick_colour", vertex)
 
     def do_wet(self, on: bool) -> None:
-        """Let ink spread in real time, or not; kept for paintings to come."""
+        """Switch whether ink spreads in real time; a setting for later paintings, too."""
         self._workspace.update_settings(wet=on)
         if self._workspace.stage.paint_thread is not None:
             self._workspace.stage.paint_thread.wet = on
@@ -145,7 +145,7 @@ class PaintActions:
         self._post("set_symmetry", Symmetry(planes, turned))
 
     def set_turns(self, turns: int) -> None:
-        """How often a stroke is painted around the axis."""
+        """Set how often a stroke is painted around the axis."""
         self._turns = turns
         if self._workspace.actions["radial"].isChecked():
             self.do_radial(True)
@@ -160,7 +160,7 @@ class PaintActions:
         self._post("set_mask", Mask(angle, mask.regions, mask.inverted))
 
     def set_mask_degrees(self, degrees: float) -> None:
-        """How far the surface may turn away from the viewer and take paint."""
+        """Set the angle to the viewer up to which the surface takes paint, degrees."""
         self._mask_degrees = degrees
         if self._workspace.actions["mask"].isChecked():
             self.do_mask(True)
@@ -176,13 +176,13 @@ class PaintActions:
         self._workspace.tell(say("Regions that take paint: {n}", n=len(regions)))
 
     def _look_up(self, what: Callable[[PaintMesh, AnyArray], int]) -> int | None:
-        """Something of the object under the pointer; None beside it, or while painting is busy."""
-        place = self._workspace.hand.place()
-        if place is None:
+        """Look up something under the pointer; None beside the object, or while painting."""
+        point = self._workspace.hand.place()
+        if point is None:
             return None
         with self._workspace.paint_thread.paused(_PATIENCE_S) as document:
             if document is not None:
-                return what(document.surface.paint_mesh, place)
+                return what(document.surface.paint_mesh, point)
         self._workspace.tell(say("Still painting; try again in a moment"), state="slow")
         return None
 
@@ -209,15 +209,15 @@ class PaintActions:
     # -- layers -----------------------------------------------------------------------------
 
     def do_remove_layer(self) -> None:
-        """Take the layer away that is painted on, or the chosen group."""
+        """Remove the active layer, or the chosen group."""
         self._panels.layers.remove()
 
     def do_duplicate_layer(self) -> None:
-        """Put a copy of the layer that is painted on, or of the chosen group, above it."""
+        """Put a copy of the active layer, or of the chosen group, above it."""
         self._panels.layers.duplicate()
 
     def do_merge_layer(self) -> None:
-        """Make one layer of it and the one below."""
+        """Merge the active layer with the one below."""
         self._post("merge_layer", self._painting.active_layer)
 
     def do_add_group(self) -> None:
@@ -229,7 +229,7 @@ class PaintActions:
         self._panels.layers.ungroup()
 
     def do_rename_layer(self) -> None:
-        """Let its name be written."""
+        """Edit the layer's name."""
         self._panels.layers.rename()
 
     def do_layer_above(self) -> None:
@@ -241,24 +241,24 @@ class PaintActions:
         self._select(-1)
 
     def _select(self, by: int) -> None:
-        place = self._painting.active_layer + by
-        if 0 <= place < len(self._painting.layers):
-            self._post("select_layer", place)
+        index = self._painting.active_layer + by
+        if 0 <= index < len(self._painting.layers):
+            self._post("select_layer", index)
 
     def do_raise_layer(self) -> None:
-        """Put it above the next one, or into a group or out of it."""
+        """Move the layer above the next one, or into a group or out of it."""
         self._panels.layers.step(1)
 
     def do_lower_layer(self) -> None:
-        """Put it below the next one, or into a group or out of it."""
+        """Move the layer below the next one, or into a group or out of it."""
         self._panels.layers.step(-1)
 
     def do_hide_layer(self) -> None:
-        """Show or hide it, or the chosen group."""
+        """Show or hide the layer, or the chosen group."""
         self._panels.layers.hide_or_show()
 
     def do_lock_layer(self) -> None:
-        """Lock or unlock it."""
+        """Lock or unlock the layer."""
         self._panels.layers.lock_or_unlock()
 
 

@@ -1,4 +1,4 @@
-"""The panels beside the canvas, and what goes on between them and the painting."""
+"""The panels beside the canvas, and their connection to the painting."""
 
 from __future__ import annotations
 
@@ -11,14 +11,13 @@ from PySide6 import QtCore, QtWidgets
 
 from paint3d.app.model.frame import PaintingFrame
 from paint3d.app.model.input.pressure_curve import PressureCurve
-from paint3d.app.model.layer_pictures import layer_pictures
 from paint3d.app.window.brush.brush_panel import BrushPanel
 from paint3d.app.window.copybook.copybook_panel import CopybookPanel
 from paint3d.app.window.hand.device_panel import DevicePanel
 from paint3d.app.window.hand.hand_panel import HandPanel
 from paint3d.app.window.history.history_panel import HistoryPanel
 from paint3d.app.window.ink.ink_panel import InkPanel
-from paint3d.app.window.layer_panel import PICTURE, LayerPanel
+from paint3d.app.window.layer_panel import PICTURE, LayerPanel, layer_pictures
 from paint3d.app.window.object.surface_panel import SurfacePanel
 from paint3d.app.window.reference.reference_panel import ReferencePanel
 from paint3d.app.window.theme import Theme
@@ -116,13 +115,6 @@ class Panels:
         self.docks[name] = dock
         return dock
 
-    def _watch_tabs(self) -> None:
-        """Hear of clicks on tabs, also of the panel that is shown already."""
-        for bar in self._workspace.window.findChildren(QtWidgets.QTabBar):
-            if not bar.property("watched"):
-                bar.setProperty("watched", True)
-                bar.tabBarClicked.connect(partial(self._tab_clicked, bar))
-
     def _tab_clicked(self, bar: QtWidgets.QTabBar, index: int) -> None:
         titles = {dock.windowTitle(): dock for dock in self.docks.values()}
         dock = titles.get(bar.tabText(index))
@@ -130,9 +122,9 @@ class Panels:
             self._give_room(dock)
 
     def _give_room(self, dock: QtWidgets.QDockWidget) -> None:
-        """Give a panel whose tab was clicked the height that it needs, of what others can spare.
+        """Give a panel whose tab was clicked the height that it needs and others can spare.
 
-        What it has beyond that goes to the other one, as far as that needs it.
+        Height that it does not need goes to the other one, as far as that needs it.
         """
         upper, lower = self._groups
         if dock not in upper and dock not in lower:
@@ -142,12 +134,12 @@ class Panels:
         if not beside or dock.isFloating():
             return
         other = beside[0]
-        need, there, both = _needed(dock), dock.height(), dock.height() + other.height()
-        if there < need:
-            given = max(there, min(need, both - _LEAST))
+        need, height, both = _needed(dock), dock.height(), dock.height() + other.height()
+        if height < need:
+            given = max(height, min(need, both - _LEAST))
         else:
             given = max(need, both - max(other.height(), _needed(other)))
-        if given != there:
+        if given != height:
             vertical = QtCore.Qt.Orientation.Vertical
             self._workspace.window.resizeDocks([dock, other], [given, both - given], vertical)
 
@@ -164,58 +156,57 @@ class Panels:
         self.inks.dipped.connect(self._dip)
         self.inks.rinsed.connect(lambda: post("rinse"))
         self.layers.asked.connect(self._ask_layers)
-        self.layers.turned.connect(self._turn)
+        self.layers.turned.connect(self._toggle)
         self.history.reported.connect(self._workspace.tell)
         self.hand.read.connect(self._read_hand)
         self.hand.pressed.connect(self._workspace.hand.set_force)
-        self.hand.curve.changed.connect(self._keep_curve)
+        self.hand.curve.changed.connect(self._save_curve)
         self.hand.ruled.connect(lambda on: self._workspace.actions["ruler"].setChecked(on))
 
     def _ask_layers(self, what: str, arguments: tuple[Any, ...]) -> None:
-        """Ask for something of the layers, which may lie elsewhere afterwards."""
+        """Post a command of the layers, after which they may have another order."""
         paint_thread = self._workspace.stage.paint_thread
         if paint_thread is not None:
             self._asked_of_layers = paint_thread.post(what, *arguments)
 
-    def _turn(self, what: str, place: int, shown: Layer) -> None:
-        """Have a layer, or its group, the other way than it is or was last asked to be.
+    def _toggle(self, what: str, index: int, shown: Layer) -> None:
+        """Toggle a property of a layer or its group, from its state or the one last asked for.
 
-        Clicks may come faster than the painting thread does what they ask for, or the panel shows
-        what it did: it is the one that is called as the one shown, the nearest to its place, once
-        layers lie where they were asked to.
+        Clicks may come faster than the painting thread follows, or the panel shows it: the layer is
+        found by its name, the nearest to the index shown, once pending moves are done.
         """
         paint_thread = self._workspace.stage.paint_thread
         if paint_thread is None:
             return
         asked_before = self._asked_of_layers
         if asked_before is not None and not asked_before.done():
-            QtCore.QTimer.singleShot(_AGAIN_MS, lambda: self._turn(what, place, shown))
+            QtCore.QTimer.singleShot(_AGAIN_MS, lambda: self._toggle(what, index, shown))
             return
         flag, of_group = what.rpartition("_")[2], what.startswith("set_group")
-        name = _called(shown, of_group)
+        name = _key_of(shown, of_group)
         layers = paint_thread.painting.layers
-        places = [k for k, layer in enumerate(layers) if _called(layer, of_group) == name]
-        if name is None or not places:  # it was removed since
+        indices = [k for k, layer in enumerate(layers) if _key_of(layer, of_group) == name]
+        if name is None or not indices:  # it was removed since
             return
-        now = min(places, key=lambda k: abs(k - place))
+        now = min(indices, key=lambda k: abs(k - index))
         asked, done = self._turned.get((what, name, now), (False, None))
         if done is None or done.done():
             asked = getattr(layers[now].group if of_group else layers[now], flag)
         self._turned[what, name, now] = not asked, paint_thread.post(what, now, not asked)
 
     def _read_hand(self, changes: dict[str, Any]) -> None:
-        """Read the hand otherwise; what gives a mouse's pressure is among the preferences, too."""
+        """Change how the hand is read; the source of a mouse's pressure is a preference, too."""
         self._workspace.hand.set_settings(**changes)
         if "pressure_by" in changes:
             self._workspace.update_settings(**changes)
 
-    def _keep_curve(self, curve: PressureCurve) -> None:
+    def _save_curve(self, curve: PressureCurve) -> None:
         self._workspace.settings = dataclasses.replace(
             self._workspace.settings, pressure_curve=curve.points
         )
 
     def set_open(self, is_open: bool) -> None:
-        """Let what needs a painting be used, or not."""
+        """Enable or disable the panels that need a painting."""
         for panel in (self.brushes, self.inks, self.surface, self.layers, self.history):
             panel.setEnabled(is_open)
         self.copybook.setEnabled(is_open)
@@ -226,7 +217,11 @@ class Panels:
     def open(self) -> None:
         """Show another document."""
         painting = self._workspace.painting
-        self._watch_tabs()
+        # Qt makes the tab bars when the docks are shown; its own signal leaves out the tab in front
+        for bar in self._workspace.window.findChildren(QtWidgets.QTabBar):
+            if not bar.property("watched"):
+                bar.setProperty("watched", True)
+                bar.tabBarClicked.connect(partial(self._tab_clicked, bar))
         self._drawn = self._drawing = None
         self._turned, self._asked_of_layers = {}, None
         self.layers.show_pictures(())
@@ -243,7 +238,7 @@ class Panels:
             self._workspace.tell(say("Its undo steps cannot be used: {why}", why=why), state="bad")
 
     def follow(self, frame: PaintingFrame) -> None:
-        """Show what a frame says."""
+        """Show a frame's painting."""
         painting = frame.painting
         self.surface.show_surface(painting)
         self.layers.show_layers(painting.layers, painting.active_layer)
@@ -256,7 +251,7 @@ class Panels:
             self.brushes.set_ink(painting.inks[0])
 
     def _follow_layers(self, frame: PaintingFrame) -> None:
-        """Have the layers' pictures drawn anew where something was painted, and nothing waits."""
+        """Draw the layers' pictures anew when something was painted and nothing waits."""
         if self._drawing is not None and self._drawing.done():
             drawing, self._drawing = self._drawing, None
             if not drawing.cancelled() and drawing.exception() is None:
@@ -272,35 +267,34 @@ class Panels:
             )
 
     def show_brush_asked(self, brush: BrushSpec) -> bool:
-        """Show the brush that was asked for last; whether another one was shown before."""
+        """Show the brush that was chosen last; return whether another one was shown before."""
         if brush == self.brushes.brush or self.brushes.is_settling:
             return False
         self.brushes.show_brush(brush)
         return True
 
     def show_unit(self) -> None:
-        """Tell lengths in the unit that was chosen."""
+        """Show lengths in the chosen unit."""
         self.brushes.show_unit()
         self.surface.show_unit()
         if self._workspace.stage.paint_thread is not None:
             self.surface.show_surface(self._workspace.painting)
 
     def ink_name(self) -> str:
-        """What the brush is dipped in, in words."""
+        """Return the name of the ink that the brush is dipped in."""
         return self.inks.ink_name()
 
     def _set_theme(self, theme: Theme) -> None:
-        """Change the colours of what is painted by hand."""
-        for panel in self._all():
+        """Change the colours of the panels' own drawings."""
+        panels: tuple[_Themed, ...] = (
+            self.brushes, self.inks, self.hand, self.layers, self.history, self.copybook,
+            self.reference, self.devices, self.surface,
+        )  # fmt: skip
+        for panel in panels:
             panel.set_theme(theme)
         frame = self._workspace.stage.frame
         if frame is not None:
             self.follow(frame)  # rows have icons in these colours
-
-    def _all(self) -> tuple[_Themed, ...]:
-        upper = self.brushes, self.inks, self.hand
-        lower = self.layers, self.history, self.copybook, self.reference, self.devices
-        return *upper, self.surface, *lower
 
     def toggle(self) -> None:
         """Hide all, or show them again."""
@@ -309,7 +303,7 @@ class Panels:
             dock.setVisible(not shown and not self._is_idle(name))
 
     def _is_idle(self, name: str) -> bool:
-        """Whether a panel has nothing to show."""
+        """Return whether a panel has nothing to show."""
         return name == "reference" and self.reference.view.image is None
 
     def step(self, by: int) -> None:
@@ -330,7 +324,7 @@ class Panels:
         self._workspace.canvas.setFocus(QtCore.Qt.FocusReason.OtherFocusReason)
 
     def close_down(self) -> None:
-        """Stop what goes on beside."""
+        """Stop the work beside the window."""
         self.brushes.close_down()
 
     def _take_brush(self, brush: BrushSpec) -> None:
@@ -343,7 +337,7 @@ class Panels:
 
 
 def _needed(dock: QtWidgets.QDockWidget) -> int:
-    """The height at which all of a panel is seen, pixels."""
+    """Return the height at which all of a panel is seen, pixels."""
     shown = dock.widget()
     content = shown.widget() if isinstance(shown, QtWidgets.QScrollArea) else shown
     assert content is not None, "each panel was put into its dock"
@@ -356,21 +350,21 @@ def _needed(dock: QtWidgets.QDockWidget) -> int:
 
 
 def _takes_keys(widget: QtWidgets.QWidget) -> bool:
-    """Whether keys can do something with a widget, besides scrolling it."""
+    """Return whether a widget takes keys for more than scrolling."""
     tab = bool(widget.focusPolicy() & QtCore.Qt.FocusPolicy.TabFocus)
     can = tab and widget.isEnabled() and not widget.isHidden()
     return can and not isinstance(widget, QtWidgets.QScrollArea)
 
 
-def _called(layer: Layer, of_group: bool) -> str | int | None:
-    """A layer's name, or the key of the group that it is in."""
+def _key_of(layer: Layer, of_group: bool) -> str | int | None:
+    """Return a layer's name, or the key of the group that it is in."""
     if not of_group:
         return layer.name
     return None if layer.group is None else layer.group.key
 
 
 def _scrolled(panel: QtWidgets.QWidget) -> QtWidgets.QScrollArea:
-    """A panel that scrolls where the window is too low for it."""
+    """Return a panel that scrolls where the window is too low for it."""
     area = QtWidgets.QScrollArea()
     area.setObjectName("plain")
     area.setWidgetResizable(True)

@@ -1,4 +1,4 @@
-"""Live previews, kept: what a brush does on a small sheet, and mixtures of inks."""
+"""Cached previews: a brush's stroke on a small sheet, and mixtures of inks."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _WASH = (("pine soot", 0.02), (WATER.name, 0.98))
 
 
 def stroke_preview(brush: BrushSpec, ink: Ink | Mapping[Ink, float]) -> NDArray[np.uint8]:
-    """(H, W, 3) uint8: one stroke from left to right, pressed twice and lifted slowly.
+    """Draw one stroke from left to right, pressed twice and lifted slowly: (H, W, 3) uint8.
 
     Cost: 0.1 s the first time; kept for the last brushes and inks.
 
@@ -36,11 +36,11 @@ def stroke_preview(brush: BrushSpec, ink: Ink | Mapping[Ink, float]) -> NDArray[
     """
     parts = sorted_parts(ink)
     is_clear = all(_name(part) == WATER.name for part, _ in parts)
-    return _stroke(brush, _WASH if is_clear else parts)
+    return _cached_stroke(brush, _WASH if is_clear else parts)
 
 
 def sorted_parts(ink: Ink | Mapping[Ink, float]) -> tuple[tuple[Ink, float], ...]:
-    """Inks and their parts in an order that depends on the names alone."""
+    """Return inks and their parts, sorted by name."""
     parts = ink if isinstance(ink, Mapping) else {ink: 1.0}
     return tuple(sorted(parts.items(), key=lambda part: _name(part[0])))
 
@@ -50,7 +50,7 @@ def _name(ink: Ink) -> str:
 
 
 @lru_cache(maxsize=128)
-def _stroke(brush: BrushSpec, parts: tuple[tuple[Ink, float], ...]) -> AnyArray:
+def _cached_stroke(brush: BrushSpec, parts: tuple[tuple[Ink, float], ...]) -> AnyArray:
     pixels = draw_stroke(brush, dict(parts))
     pixels.setflags(write=False)
     return pixels
@@ -58,20 +58,20 @@ def _stroke(brush: BrushSpec, parts: tuple[tuple[Ink, float], ...]) -> AnyArray:
 
 @lru_cache(maxsize=512)
 def ink_swatch(parts: tuple[tuple[Ink, float], ...], n: int = 24) -> NDArray[np.uint8]:
-    """(n, 3) uint8: a mixture on paper, from a thin wash to as dark as it gets."""
+    """Return a mixture's colours on paper, (n, 3) uint8, from a thin wash to the darkest."""
     from paint3d.colour.vertex_colours import ColourModel
 
     pigments = [load_pigment(ink) if isinstance(ink, str) else ink for ink, _ in parts]
-    shares = np.array([fraction for _, fraction in parts], np.float64)
+    weights = np.array([fraction for _, fraction in parts], np.float64)
     coats = np.geomspace(0.03, 2.0, n)
-    amounts = (coats[:, None] * (shares / shares.sum())).astype(np.float32)
+    amounts = (coats[:, None] * (weights / weights.sum())).astype(np.float32)
     model = ColourModel(pigments, load_material("xuan").reflectance)
     out = np.empty((n, 3), np.uint8)
     return model.srgb(np.ascontiguousarray(amounts), np.ones(n, np.float32), out)
 
 
 def ink_coat(parts: Mapping[Ink, float]) -> tuple[int, int, int]:
-    """sRGB of a coat of a mixture on xuan, water among its parts; of the sheet without any."""
+    """Return the sRGB of a coat of a mixture with water on xuan; without ink, of the sheet."""
     inked = {
         ink: fraction for ink, fraction in parts.items() if ink is not WATER and ink != WATER.name
     }

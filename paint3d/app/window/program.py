@@ -1,4 +1,4 @@
-"""The program around the window, and what is shown until that is there."""
+"""The program around the window, and its splash screen."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from paint3d.errors import InputError
 
 __all__ = ["make_program", "show_opening"]
 
-_WIDE, _HIGH = 360, 140  # of what is shown while modules are loaded
+_WIDE, _HIGH = 360, 140  # of the splash screen
 
 
 def make_program() -> QtWidgets.QApplication:
-    """The program, once.
+    """Return the program, made once.
 
     Raises
     ------

@@ -16,7 +16,7 @@ __all__ = ["Answer", "KeysDialog", "PreferencesDialog", "ask"]
 _KEY_COLUMNS = 3
 
 Answer = QtWidgets.QMessageBox.ButtonRole
-"""What `ask` returns: AcceptRole, DestructiveRole or RejectRole."""
+"""The answer of `ask`: AcceptRole, DestructiveRole or RejectRole."""
 
 
 def ask(
@@ -34,14 +34,14 @@ def ask(
     ----------
     parent : QWidget
     text : str
-        In the language that is spoken, as the others are.
+        In the chosen language, as the others are.
     accept : str, optional
-        What the button says that loses nothing; Enter presses it.
+        Text of the button that loses nothing; Enter presses it.
     destroy : str, optional
-        What the button says that loses something.
+        Text of the button that loses something.
     leave : str, optional
-        What the button says that does neither, by default that it cancels; empty for none. Enter
-        presses it where nothing is there to be accepted.
+        Text of the button that does neither, by default that it cancels; empty for none. Enter
+        presses it where there is no `accept`.
     warns : bool
         Whether the box bears the sign of a warning.
 
@@ -52,7 +52,7 @@ def ask(
     """
     box = QtWidgets.QMessageBox(parent)
     box.setWindowTitle("paint3d")
-    box.setTextFormat(QtCore.Qt.TextFormat.PlainText)  # names of files are no marks
+    box.setTextFormat(QtCore.Qt.TextFormat.PlainText)  # a file's name is no markup
     box.setText(text)
     if warns:
         box.setIcon(QtWidgets.QMessageBox.Icon.Warning)
@@ -68,7 +68,7 @@ def ask(
 
 
 class PreferencesDialog(FormDialog):
-    """Ask how the program should be."""
+    """Asks for the program's settings."""
 
     def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
         super().__init__(parent, say("Preferences…").rstrip("…"))
@@ -129,17 +129,17 @@ class PreferencesDialog(FormDialog):
         self.finish(say("OK"))
 
     def _choose_folder(self) -> None:
-        found = QtWidgets.QFileDialog.getExistingDirectory(
+        folder = QtWidgets.QFileDialog.getExistingDirectory(
             self,
             say("Folder of characters"),
             self.glyphs.text(),
             QtWidgets.QFileDialog.Option.DontUseNativeDialog,
         )
-        if found:
-            self.glyphs.setText(found)
+        if folder:
+            self.glyphs.setText(folder)
 
     def accept(self) -> None:
-        """Agree, unless the folder of characters is none."""
+        """Accept, unless the folder has no characters."""
         folder = self.glyphs.text().strip()
         try:
             if folder:
@@ -150,7 +150,7 @@ class PreferencesDialog(FormDialog):
         super().accept()
 
     def chosen(self) -> dict[str, object]:
-        """Settings by name."""
+        """Return the settings by name."""
         numbers = {name: box.value() for name, box in self.numbers.items()}
         boxes = {name: box.currentData() for name, box in self.boxes.items()}
         return {**boxes, **numbers, "glyphs": self.glyphs.text().strip()}
@@ -166,7 +166,7 @@ class KeysDialog(QtWidgets.QDialog):
         area, inner = QtWidgets.QScrollArea(), QtWidgets.QWidget()
         columns = QtWidgets.QHBoxLayout(inner)
         columns.setSpacing(26)
-        for groups in _balanced(_KEY_COLUMNS):
+        for groups in _key_columns(_KEY_COLUMNS):
             column = QtWidgets.QVBoxLayout()
             for group in groups:
                 column.addWidget(_key_table(group))
@@ -179,17 +179,17 @@ class KeysDialog(QtWidgets.QDialog):
         self.resize(min(1240, parent.width()), 660)
 
 
-def _of_group(group: str) -> list[Shortcut]:
+def _shortcuts_of(group: str) -> list[Shortcut]:
     return [one for one in SHORTCUTS if one.group == group and not one.action[-1].isdigit()]
 
 
-def _balanced(n: int) -> list[list[str]]:
-    """Groups in n columns of about the same length, in order."""
-    total = sum(len(_of_group(group)) + 2 for group in GROUPS)
+def _key_columns(n: int) -> list[list[str]]:
+    """Return the groups in n columns of about the same length, in order."""
+    total = sum(len(_shortcuts_of(group)) + 2 for group in GROUPS)
     columns: list[list[str]] = [[]]
     filled = 0
     for group in GROUPS:
-        rows = len(_of_group(group)) + 2
+        rows = len(_shortcuts_of(group)) + 2
         if filled + rows / 2 > total / n * len(columns) and len(columns) < n:
             columns.append([])
         columns[-1].append(group)
@@ -210,9 +210,9 @@ _GESTURES = {"hold": Message("hold"), "drag": Message("drag"), "tap": Message("t
 
 
 def _format_keys(one: Shortcut) -> str:
-    """Keys, buttons or fingers in words, and what is done with them unless they are pressed."""
-    *held, last = one.keys.replace("++", "+plus").replace("Num+", "Num ").split("+")
-    words = [say("Space") if key == "Space" else key for key in held]
+    """Format keys, buttons or fingers, and their gesture unless they are pressed."""
+    *modifiers, last = one.keys.replace("++", "+plus").replace("Num+", "Num ").split("+")
+    words = [say("Space") if key == "Space" else key for key in modifiers]
     kind, _, number = last.partition(" ")
     if kind == "Pen":
         words.append(say("Pen button {number}", number=number))
@@ -240,7 +240,7 @@ def _key_table(group: str) -> QtWidgets.QWidget:
     grid.addWidget(head, 0, 0, 1, 2)
     top = QtCore.Qt.AlignmentFlag.AlignTop
     rows: dict[tuple[str, str], list[str]] = {}
-    for one in _of_group(group):
+    for one in _shortcuts_of(group):
         rows.setdefault((one.action, one.gesture), []).append(_format_keys(one))
     for k, ((action, gesture), keys) in enumerate(rows.items(), 1):
         shown = QtWidgets.QLabel(("  " if gesture == "press" else "\n").join(keys))

@@ -36,7 +36,7 @@ from paint3d.view.camera import picture_axes
 __all__ = ["ProposedSeal", "SealDialog", "SealOptions", "Sealing"]
 
 # ---- The dialog ----------------------------------------------------------------------------------
-# What is cut into a seal: a text or a drawing, its style and size.
+# A seal's text or drawing, its style and size.
 
 
 _PICTURE = 190  # pixels
@@ -49,7 +49,7 @@ _PAPER, _CINNABAR = (243, 240, 230), (178, 44, 34)
 
 
 class SealOptions(NamedTuple):
-    """A seal as it is asked for: a text, or the path of a drawing."""
+    """The options of a seal: a text, or the path of a drawing, and its style and size."""
 
     text: str = "永和"
     drawing: str = ""
@@ -60,7 +60,7 @@ class SealOptions(NamedTuple):
 
 
 class ProposedSeal(NamedTuple):
-    """Whose seal may be pressed, how large and where: below a signature."""
+    """A seal proposed below a signature: its name, size and position."""
 
     name: str
     size_mm: float
@@ -76,13 +76,13 @@ class SealDialog(FormDialog):
     Parameters
     ----------
     parent : QWidget
-    kept : SealOptions
-        What was asked for last.
+    options : SealOptions
+        Of the last seal.
     glyphs : str
         A folder of characters, as the settings name it.
     """
 
-    def __init__(self, parent: QtWidgets.QWidget, kept: SealOptions, glyphs: str = "") -> None:
+    def __init__(self, parent: QtWidgets.QWidget, options: SealOptions, glyphs: str = "") -> None:
         super().__init__(parent, say("Press a seal…").rstrip("…"))
         self._glyphs = glyphs
         self._shown: SealOptions | None = None
@@ -96,30 +96,30 @@ class SealDialog(FormDialog):
         self.note.setObjectName("faint")
         self.form.addRow(self.picture)
         self.form.addRow(self.note)
-        self.text = QtWidgets.QLineEdit(kept.text)
+        self.text = QtWidgets.QLineEdit(options.text)
         self.form.addRow(say("Text"), self.text)
         self.font_box = FontBox(say("Lines of one width"))
-        self.font_box.show_font(kept.font)
+        self.font_box.show_font(options.font)
         self.form.addRow(say("Font"), self.font_box)
-        self.drawing = QtWidgets.QLineEdit(kept.drawing)
+        self.drawing = QtWidgets.QLineEdit(options.drawing)
         self.drawing.setPlaceholderText(say("A drawing instead of the text"))
         self.drawing.setClearButtonEnabled(True)
         self.choose = QtWidgets.QPushButton("…")
-        self.choose.clicked.connect(self._choose)
+        self.choose.clicked.connect(self._choose_drawing)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(self.drawing, 1)
         row.addWidget(self.choose)
         self.form.addRow("SVG", row)
         styles = {"zhuwen": say("Red lines (zhuwen)"), "baiwen": say("White lines (baiwen)")}
-        self.style_box = self.add_box(say("Style"), styles, kept.style)
+        self.style_box = self.add_box(say("Style"), styles, options.style)
         shapes = {
             "square": say("As wide as high"),
             "upright": say("Upright: one above the other"),
             "level": say("Level: side by side, from the right"),
         }
-        self.shape_box = self.add_box(say("Shape"), shapes, kept.shape)
+        self.shape_box = self.add_box(say("Shape"), shapes, options.shape)
         self.size_box = self.add_number(
-            say("Longer side"), SMALLEST_MM, LARGEST_MM, kept.size_mm, "mm", 1
+            say("Longer side"), SMALLEST_MM, LARGEST_MM, options.size_mm, "mm", 1
         )
         self.finish(say("OK"))
         self.text.setFocus()
@@ -128,7 +128,7 @@ class SealDialog(FormDialog):
         self._timer.timeout.connect(self._follow)
         self._timer.start()
 
-    def _choose(self) -> None:
+    def _choose_drawing(self) -> None:
         dialog = QtWidgets.QFileDialog(self, say("A drawing"), filter="SVG (*.svg)")
         dialog.setOption(QtWidgets.QFileDialog.Option.DontUseNativeDialog)
         dialog.setFileMode(QtWidgets.QFileDialog.FileMode.ExistingFile)
@@ -139,7 +139,7 @@ class SealDialog(FormDialog):
             self.drawing.setText(dialog.selectedFiles()[0])
 
     def asked(self) -> SealOptions:
-        """What was asked for."""
+        """Return the chosen options."""
         return SealOptions(
             self.text.text().strip(),
             self.drawing.text().strip(),
@@ -152,7 +152,7 @@ class SealDialog(FormDialog):
     # -- its picture ------------------------------------------------------------------------
 
     def _follow(self) -> None:
-        """Cut what is asked for now in a thread of its own, and show what has been cut."""
+        """Cut the chosen seal in a thread of its own, and show the last one cut."""
         if self._cutting is not None:
             if not self._cutting.done():
                 return
@@ -179,19 +179,19 @@ class SealDialog(FormDialog):
         self.note.setText(say("; ").join([size, *say_fonts(from_fonts)]))
 
 
-def _proposed_seal(kept: SealOptions, name: str, size_mm: float) -> SealOptions:
-    """The seal of who signed, beside the signature."""
+def _signer_options(options: SealOptions, name: str, size_mm: float) -> SealOptions:
+    """Return the options of a signer's seal of this size; those given stay where no name fits."""
     n = len("".join(name.split()))
-    if kept.shape != "square" and 1 <= n <= MOST_CHARACTERS:
+    if options.shape != "square" and 1 <= n <= MOST_CHARACTERS:
         size_mm *= n
     size = min(max(round(2.0 * size_mm) / 2.0, SMALLEST_MM), LARGEST_MM)
     if not 1 <= n <= MOST_CHARACTERS:
-        return kept._replace(size_mm=size)
-    return kept._replace(text=name, drawing="", size_mm=size)
+        return options._replace(size_mm=size)
+    return options._replace(text=name, drawing="", size_mm=size)
 
 
 def _cut(asked: SealOptions, glyphs: str) -> _Cut:
-    """The seal that is asked for, and its characters that fonts stand in for, by their names."""
+    """Cut a seal; return it and the characters that fonts stand in for, with the fonts' names."""
     how = asked.style, asked.size_mm
     if asked.drawing:
         return cut_seal(None, asked.drawing, *how), {}
@@ -210,7 +210,7 @@ def _cut_beside(asked: SealOptions, glyphs: str, done: Future[_Cut]) -> None:
 
 
 def seal_picture(seal: Seal, size: int) -> QtGui.QPixmap:
-    """What a seal prints, in cinnabar on paper, its longer side so many pixels."""
+    """Draw a seal's print, in cinnabar on paper, its longer side so many pixels."""
     scale = size / max(seal.width_mm, seal.height_mm)
     wide, high = (max(1, round(scale * mm)) for mm in (seal.width_mm, seal.height_mm))
     pixels = QtGui.QPixmap(wide + 8, high + 8)
@@ -241,7 +241,7 @@ class Sealing(QtCore.QObject):
     Attributes
     ----------
     seal : Seal or None
-        What is pressed with the next click on the object.
+        Pressed by the next click on the object.
     of_signature : callable
         The `ProposedSeal` of who signed the painting; None where there is no text.
     is_writing : callable
@@ -251,11 +251,11 @@ class Sealing(QtCore.QObject):
     def __init__(self, workspace: Workspace) -> None:
         super().__init__(workspace.window)
         self._workspace = workspace
-        self._kept = SealOptions()
+        self._options = SealOptions()
         self._proposed: tuple[str, float] | None = None
         self.of_signature: Callable[[], ProposedSeal | None] = lambda: None
         self.is_writing: Callable[[], bool] = lambda: False
-        self._place: ProposedSeal | None = None  # where Enter presses it
+        self._proposed_at: ProposedSeal | None = None  # where Enter presses it
         self.seal: Seal | None = None
         self._moved: int | None = None  # the seal that is pressed elsewhere
         self._is_down = False  # a pen, a mouse or a finger that presses it when it is lifted
@@ -274,11 +274,11 @@ class Sealing(QtCore.QObject):
         proposed = self.of_signature()
         if proposed is not None and proposed[:2] != self._proposed:
             self._proposed = proposed[:2]
-            self._kept = _proposed_seal(self._kept, *proposed[:2])
-        dialog = SealDialog(workspace.window, self._kept, glyphs)
+            self._options = _signer_options(self._options, *proposed[:2])
+        dialog = SealDialog(workspace.window, self._options, glyphs)
         if not dialog.exec():
             return
-        asked = self._kept = dialog.asked()
+        asked = self._options = dialog.asked()
         if not asked.text and not asked.drawing:
             return
 
@@ -328,44 +328,44 @@ class Sealing(QtCore.QObject):
             )
 
     def _take_up(self, seal: Seal, proposed: ProposedSeal | None = None) -> None:
-        """Have a stone in the hand until it is pressed, or let be."""
+        """Take a stone into the hand until it is pressed, or let be."""
         workspace = self._workspace
-        self._place = proposed
+        self._proposed_at = proposed
         workspace.canvas.take_up(self._take, self.let_be)
         self.seal, self._is_down = seal, False
         workspace.canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
-        self._hold_brush(True)
+        self._hide_brush(True)
         workspace.canvas.setFocus()
         if proposed is None:
             workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
         else:
             self._show_outline(proposed.point, proposed.up)
-            told = say(
+            message = say(
                 "Enter presses the seal where it is shown; click to press it elsewhere; Esc cancels"
             )
-            workspace.tell(told, stays=True)
+            workspace.tell(message, stays=True)
 
     def let_be(self) -> None:
-        """Press nothing."""
+        """Put the stone away without pressing it."""
         if self.seal is not None:
             self.seal = None
             self._workspace.canvas.lay_down(self._take)
-            self._hold_brush(False)
+            self._hide_brush(False)
             self._show_outline(None)
 
     # -- the click --------------------------------------------------------------------------
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Let it be by Esc, press it by Enter where that is proposed."""
+        """Put the stone away by Esc, press it by Enter where that is proposed."""
         if self.seal is None or event.type() not in _KEYS:
             return False
         if not isinstance(event, QtGui.QKeyEvent):
             return False
         key = QtCore.Qt.Key
-        if event.key() in (key.Key_Return, key.Key_Enter) and self._place is not None:
+        if event.key() in (key.Key_Return, key.Key_Enter) and self._proposed_at is not None:
             event.accept()
             if event.type() == _KIND.KeyPress:
-                self._press(self._place.point, self._place.up)
+                self._press(self._proposed_at.point, self._proposed_at.up)
             return True
         if event.key() != key.Key_Escape:
             return False
@@ -374,23 +374,23 @@ class Sealing(QtCore.QObject):
         self._workspace.tell(say("No seal was pressed"))
         return True
 
-    def _hold_brush(self, away: bool) -> None:
+    def _hide_brush(self, away: bool) -> None:
         """Hide the brush while a stone is in the hand, or show it again where it is shown."""
         shown = self._workspace.actions["brush"].isChecked()
         self._workspace.stage.shows_brush = shown and not away
         self._workspace.stage.touch()
 
-    def _show_outline(self, place: AnyArray | None, up: AnyArray | None = None) -> None:
-        """Draw what the stone would print at a place (3,) of the object, in its true size."""
+    def _show_outline(self, point: AnyArray | None, up: AnyArray | None = None) -> None:
+        """Draw the outline of the stone's print at a point (3,) of the object, in its true size."""
         stage, seal = self._workspace.stage, self.seal
         if stage.paint_thread is None:
             return
         lines: list[AnyArray] = []
-        if place is not None and seal is not None:
+        if point is not None and seal is not None:
             surface = self._workspace.hand.surface
             if up is None:
                 up = picture_axes(self._workspace.hand.open_camera)[1]
-            frame = frame_at(surface, place, up)
+            frame = frame_at(surface, point, up)
             half = 0.5 * np.array([seal.width_mm, seal.height_mm])
             along = np.linspace(-1.0, 1.0, _RIM_POINTS)[:, None]
             ends = np.ones((_RIM_POINTS, 1))
@@ -399,8 +399,8 @@ class Sealing(QtCore.QObject):
             for ring in (rim, *seal.rings):
                 closed = np.concatenate([ring, ring[:1]])
                 across = np.outer(closed[:, 0], frame.x_axis) + np.outer(closed[:, 1], frame.y_axis)
-                found = surface.find(frame.origin + across)
-                lines.append(found.points + _LIFT_MM * found.normals)
+                hits = surface.find(frame.origin + across)
+                lines.append(hits.points + _LIFT_MM * hits.normals)
         stage.show_lines("seal", lines, (*_CINNABAR, 220), 1.3)
 
     def _take(self, touch: Touch) -> bool:
@@ -408,24 +408,24 @@ class Sealing(QtCore.QObject):
         was_down, self._is_down = self._is_down, touch.down
         self._show_outline(self._workspace.hand.place_at(touch.x, touch.y))
         if was_down and not touch.down:
-            place = self._workspace.hand.place_at(touch.x, touch.y)
-            if place is None:
+            point = self._workspace.hand.place_at(touch.x, touch.y)
+            if point is None:
                 self._workspace.tell(say("That is beside the object"), state="bad")
             else:
-                self._press(place)
+                self._press(point)
         return was_down or touch.down
 
     def _drop(self) -> None:
         """Press nothing: what a finger began was the beginning of a gesture of several."""
         self._is_down = False
 
-    def _press(self, place: AnyArray, up: AnyArray | None = None) -> None:
+    def _press(self, point: AnyArray, up: AnyArray | None = None) -> None:
         """Press it there, by default upright in the picture."""
         workspace, seal = self._workspace, self.seal
         assert seal is not None
         if self.is_writing():
-            told = say("The brush is still writing; press the seal once it has finished")
-            workspace.tell(told, state="slow", stays=True)
+            message = say("The brush is still writing; press the seal once it has finished")
+            workspace.tell(message, state="slow", stays=True)
             return
         if up is None:
             up = picture_axes(workspace.hand.open_camera)[1]
@@ -433,14 +433,14 @@ class Sealing(QtCore.QObject):
         moved = self._moved
         self.let_be()
         if moved is not None:
-            self._edit(moved, {"do": "move", "at": place.tolist(), "up": up.tolist()})
+            self._edit(moved, {"do": "move", "at": point.tolist(), "up": up.tolist()})
             return
         workspace.tell(say("Pressing the seal…"), stays=True)
-        self._done = workspace.paint_thread.post("press_seal", rings, place.tolist(), up.tolist())
+        self._done = workspace.paint_thread.post("press_seal", rings, point.tolist(), up.tolist())
         self._timer.start(_LOOK_MS)
 
     def _follow(self) -> None:
-        """Say how much of it touched, once it is pressed; a fault is told as all are."""
+        """Say how much of it touched, once it is pressed; the painting thread reports a fault."""
         if self._done is None or not self._done.done():
             return
         self._timer.stop()

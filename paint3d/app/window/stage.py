@@ -1,6 +1,6 @@
-"""What is on stage: the painted object, the brush and the camera, kept up with the painting thread.
+"""The stage: the painted object, the brush and the camera, kept up with the painting thread.
 
-The only place where the painting thread's document and the renderer meet: between two of its steps
+Here alone the painting thread's document and the renderer meet: between two of its steps
 the document is held still while what has changed is copied, patch by patch; then it paints on while
 the renderer works.
 """
@@ -42,10 +42,10 @@ __all__ = ["Stage"]
 _PATIENCE_S = 0.02  # that the picture waits for a step of the painting
 _NONE = np.empty(0, np.int32)
 _NOWHERE = object()
-_NOWHERE_YET = np.empty((0, 3))
-_APART_MM, _JUMP_MM = 1.0, 60.0  # between places that are kept; beyond the last, another stroke
-_KEPT = 300
-_LITTLE = 0.03  # of the picture, that lines on the object may change without all being drawn again
+_NO_POINTS = np.empty((0, 3))
+_APART_MM, _JUMP_MM = 1.0, 60.0  # between points of a stroke; farther is another stroke
+_MOST_POINTS = 300
+_LITTLE = 0.03  # of the picture, that changed lines may cover before all of it is drawn again
 _LIVELY_S = 5.0  # after the hand has rested so long, ink that runs by itself is drawn less often:
 _LEAST, _RAREST_S = 0.008, 30.0  # in a fraction of the time that falls with the square of the rest
 
@@ -88,14 +88,14 @@ class Stage:
         self.light: tuple[str, float] = ("studio", 0.0)
         self._drawn = LivePicture(self.scene, self._prepare_coarse)
         self._pending: list[AnyArray] = []
-        self._stood: tuple[Any, ...] = ()
+        self._brush_state: tuple[Any, ...] = ()
         self._taken_s = self._cost_s = 0.0  # when the last frame was taken, and what it took since
         self._seen: BrushView | None = None
         self._seen_at: DeviceSample | None = None
         self._seen_from: PaintingFrame | None = None
         self._left_at: DeviceSample | object = _NOWHERE
-        self._painted: list[AnyArray] = []  # places where the brush was pressed last, mm
-        self._stood_before: Camera | None = None
+        self._painted: list[AnyArray] = []  # points where the brush was pressed last, mm
+        self._brush_camera: Camera | None = None
 
     # -- one document -----------------------------------------------------------------------
 
@@ -107,7 +107,7 @@ class Stage:
         recovery: RecoveryFolder | None = None,
         autosave_interval_s: float = 120.0,
     ) -> None:
-        """Put another document on stage, and let go of the one before.
+        """Put another document on stage, and close the one before.
 
         Parameters
         ----------
@@ -115,7 +115,7 @@ class Stage:
         wet : bool
             Let ink spread and dry in real time.
         recovery : RecoveryFolder, optional
-            Where what is painted is kept until it is saved.
+            The painting is saved there until it has a file.
         autosave_interval_s : float
             See `PaintThread`.
         """
@@ -134,7 +134,7 @@ class Stage:
         self.touch()
 
     def close_document(self) -> None:
-        """Leave the stage empty; what still waits to be painted is not painted any more."""
+        """Empty the stage; what still waits is not painted any more."""
         if self.paint_thread is not None:
             self.paint_thread.stop(finish=False)
         if self._brush is not None:
@@ -142,14 +142,14 @@ class Stage:
         for name in list(self._lines):
             self.show_lines(name, (), (0, 0, 0, 0))
         self.paint_thread = self.frame = self._object = self._brush = None
-        self._brush_spec, self._stood, self._pending = None, (), []
+        self._brush_spec, self._brush_state, self._pending = None, (), []
         self._stencil = self._unlit = self._baking = None
         self._seen = self._seen_at = self._seen_from = None
         self._left_at = _NOWHERE
         self._painted = []
 
     def close(self) -> None:
-        """Let go of everything."""
+        """Release everything."""
         self.close_document()
         self._baker.shutdown(wait=True, cancel_futures=True)
         self.scene.close()
@@ -167,18 +167,18 @@ class Stage:
 
     @property
     def is_lit(self) -> bool:
-        """Whether the soft light has been found."""
+        """True if the soft light has been computed."""
         return self._baking is None and self._unlit is None
 
     # -- frame by frame ---------------------------------------------------------------------
 
     def set_camera(self, camera: Camera) -> None:
-        """Look from there."""
+        """Draw from another camera."""
         self.scene.set_camera(camera)
         self.touch()
 
     def set_size(self, size: tuple[int, int]) -> None:
-        """Draw that many pixels."""
+        """Draw in another size, pixels."""
         if size != self.scene.size:
             self.scene.set_size(size)
             self.touch()
@@ -189,7 +189,7 @@ class Stage:
         self.touch()
 
     def set_light(self, kind: str, turn: float) -> None:
-        """Show the object in another light: at once, and with soft shadows when they are found."""
+        """Show the object in another light: at once, and with soft shadows when they are baked."""
         if (kind, turn) != self.light and self._object is not None:
             self.light = kind, turn
             self._object.change_light(self.light)
@@ -198,12 +198,12 @@ class Stage:
             self.touch()
 
     def touch(self) -> None:
-        """Have it drawn again."""
+        """Draw all again with the next picture."""
         self._drawn.touch()
 
     @property
     def rested_s(self) -> float:
-        """How long nothing has been asked of the painting, and the hand has not moved, s."""
+        """Time since the last command of the painting or motion of the hand, s."""
         if self.paint_thread is None or self.paint_thread.is_behind:
             return 0.0
         return time.monotonic() - self.paint_thread.last_asked_s
@@ -234,18 +234,18 @@ class Stage:
         frame = self.paint_thread.take_frame()
         if frame is None:
             if self._pending:
-                self._take()
+                self._upload_changes()
             return None
         self._pending.append(frame.vertex_ids)
         if self._pending[1:] or len(frame.vertex_ids) or frame.has_grown:
-            self._take()
+            self._upload_changes()
         else:
             self._pending.clear()
         self.frame = frame
         return frame
 
     def draw(self) -> NDArray[np.uint8] | None:
-        """(H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed.
+        """Return (H, W, 4) uint8 pixels, the first row at the bottom; None if nothing has changed.
 
         The brush is drawn where the hand is now, also where the painting has not come there yet.
         """
@@ -257,7 +257,7 @@ class Stage:
 
     @property
     def changed(self) -> Box | None:
-        """The pixels that the last picture shows otherwise than the one before."""
+        """The pixels in which the last picture differs from the one before."""
         return self._drawn.changed
 
     @property
@@ -267,26 +267,26 @@ class Stage:
 
     @property
     def picture_s(self) -> float:
-        """What a picture takes that shows something new, s; see `LivePicture`."""
+        """Time that a picture takes that shows something new, s; see `LivePicture`."""
         return self._drawn.picture_s
 
     @property
     def is_drawn(self) -> bool:
-        """Whether nothing is left to draw, also not more finely."""
+        """True if the last picture is complete and as fine as it becomes."""
         return self._drawn.is_done()
 
     def picture(self, *, fine: bool = True) -> NDArray[np.uint8]:
-        """(H, W, 4) uint8 pixels as they are now, the first row at the bottom."""
+        """Return (H, W, 4) uint8 pixels as they are now, the first row at the bottom."""
         self._place_brush()
         return self._drawn.draw_whole(fine=fine)
 
     def picture_by_parts(self, *, fine: bool = True) -> Iterator[tuple[float, AnyArray]]:
-        """The same part by part, with the fraction drawn; nothing else is drawn meanwhile."""
+        """Yield the same part by part, with the fraction drawn; nothing else is drawn meanwhile."""
         self._place_brush()
         return self._drawn.draw_by_parts(fine=fine)
 
-    def _take(self) -> None:
-        """Copy what has changed; later, where a step of the painting lasts too long."""
+    def _upload_changes(self) -> None:
+        """Copy what has changed, or leave it for later while a step of the painting lasts."""
         with self.open_paint_thread.paused(_PATIENCE_S) as document:
             if document is None:
                 return
@@ -300,9 +300,9 @@ class Stage:
             self.scene.recolour_coarse()
 
     def _prepare_coarse(self, n_triangles: int) -> bool:
-        """Have the scene draw the object coarsely; whether it can."""
+        """Prepare a coarse object for the scene; return whether there is one."""
         if self._pending:
-            self._take()
+            self._upload_changes()
         pixel_mm = self.scene.nearest_mm()
         if self._open_object.coarse_fits(pixel_mm, n_triangles):
             return True
@@ -315,7 +315,7 @@ class Stage:
         return self.scene.has_coarse  # none yet where painting has just added vertices
 
     def _take_light(self) -> None:
-        """Show soft light once it is found; it is looked for when the first picture is there."""
+        """Show soft light once it is baked, which begins when the first picture is there."""
         if self._unlit is not None and self._baking is None:
             self._baking, self._unlit = self._baker.submit(self._unlit.bake), None
         if self._baking is None or not self._baking.done():
@@ -343,15 +343,15 @@ class Stage:
     def show_lines(
         self, name: str, lines: Sequence[AnyArray], colour: tuple[int, ...], width: float = 1.5
     ) -> None:
-        """Draw lines (K, 3), mm, on the object, in the place of those of that name.
+        """Draw lines (K, 3), mm, on the object, instead of those of that name.
 
         Parameters
         ----------
         name : str
         lines : sequence of (K, 3)
-            None to take them away.
+            Empty to remove them.
         colour : (4,) of 0 to 255
-            sRGB and how dense.
+            sRGB and density.
         width : float
             Pixels.
         """
@@ -366,7 +366,7 @@ class Stage:
     def show_faces(
         self, name: str, points: AnyArray, faces: AnyArray, colour: tuple[int, ...]
     ) -> None:
-        """Draw triangles on the object, in the place of what has that name.
+        """Draw triangles on the object, instead of those of that name.
 
         Parameters
         ----------
@@ -374,9 +374,9 @@ class Stage:
         points : (K, 3)
             mm.
         faces : (L, 3)
-            None to take them away.
+            Empty to remove them.
         colour : (4,) of 0 to 255
-            sRGB and how dense.
+            sRGB and density.
         """
         drawn = None
         if len(faces):
@@ -388,9 +388,9 @@ class Stage:
     def _show_on_object(
         self, name: str, drawn: DrawnMesh | None, parts: Sequence[AnyArray], look: tuple[Any, ...]
     ) -> None:
-        """Show this in the place of what has that name, or nothing.
+        """Show this, or nothing, instead of what has that name.
 
-        Its parts (K, 3), mm, and their look tell where the picture is another one.
+        Of its parts (K, 3), mm, those that are new or gone, or of another look, are drawn again.
         """
         old = self._lines.pop(name, None)
         if old is not None:
@@ -406,7 +406,7 @@ class Stage:
         self._touch_near([(before | now)[key] for key in before.keys() ^ now.keys()])
 
     def _touch_near(self, parts: Sequence[AnyArray]) -> None:
-        """Have it drawn again about some points; where that is much of the picture, all of it."""
+        """Draw again around some points; where that is much of the picture, all of it."""
         boxes = [box for box in map(self.scene.screen_box, parts) if box is not None]
         width, height = self.scene.size
         if sum((x1 - x0) * (y1 - y0) for x0, y0, x1, y1 in boxes) > _LITTLE * width * height:
@@ -417,12 +417,12 @@ class Stage:
     # -- the brush --------------------------------------------------------------------------
 
     def _place_brush(self) -> None:
-        """Put the brush where it is to be drawn."""
+        """Place the brush for the next picture."""
         if self.frame is not None:
             self._show_brush(self._brush_now(self.frame))
 
     def _brush_now(self, frame: PaintingFrame) -> BrushView | None:
-        """The brush where the hand was last; how it stands there, if that can be found at once."""
+        """Return the brush where the hand was last, bent anew unless the painting is busy."""
         seen, newest = frame.brush, self.open_paint_thread.newest
         if newest is self._left_at:
             return None
@@ -437,23 +437,29 @@ class Stage:
             self._seen, self._seen_at = seen, newest
         if newest is not self._seen_at:
             with self.open_paint_thread.paused(0.0) as document:
-                self._seen = (
-                    _moved(seen, shift) if document is None else view_brush(document, newest)
-                )
+                if document is not None:
+                    self._seen = view_brush(document, newest)
+                else:  # it paints: the brush as it was bent, moved
+                    pressed = seen.pressed
+                    if pressed is not None:
+                        pressed = dataclasses.replace(pressed, origin=pressed.origin + shift)
+                    self._seen = dataclasses.replace(
+                        seen, position=seen.position + shift, pressed=pressed
+                    )
             self._seen_at = newest
         return self._seen
 
     def _show_brush(self, seen: BrushView | None) -> None:
-        """Draw the brush where it is now, if it is anywhere else or otherwise than before."""
+        """Draw the brush, if its position, its bend or its look has changed."""
         painting = self.open_paint_thread.painting
-        stood: tuple[Any, ...] = (painting.brush, self.shows_brush)
+        state: tuple[Any, ...] = (painting.brush, self.shows_brush)
         if seen is not None:
-            held = (seen.pressure, seen.load, *seen.srgb, seen.painting)
-            stood += (*seen.position, *seen.orientation, *held)
-            stood += seen.pressed.numbers if seen.pressed is not None else ()
-        if stood == self._stood and self._stood_before is self.scene.camera:
+            look = (seen.pressure, seen.load, *seen.srgb, seen.painting)
+            state += (*seen.position, *seen.orientation, *look)
+            state += seen.pressed.numbers if seen.pressed is not None else ()
+        if state == self._brush_state and self._brush_camera is self.scene.camera:
             return
-        self._stood, self._stood_before = stood, self.scene.camera
+        self._brush_state, self._brush_camera = state, self.scene.camera
         if self._brush is None or self._brush_spec != painting.brush:
             if self._brush is not None:
                 self._drawn.touch_front(self.brush_box)
@@ -467,7 +473,7 @@ class Stage:
             self._brush.hide()
             return
         if seen.painting and seen.pressed is not None:
-            self._remember(seen.pressed.origin)
+            self._add_painted(seen.pressed.origin)
         axes = matrices_from_quaternions(seen.orientation[None])[0]
         stand = BrushStand.of(painting.tuft, seen.position, axes, seen.pressed)
         red, green, blue = (int(code) for code in seen.srgb)
@@ -477,30 +483,22 @@ class Stage:
             self._open_object.light.axes,
             (red, green, blue),
             seen.load,
-            np.concatenate(self._painted) if self._painted else _NOWHERE_YET,
+            np.concatenate(self._painted) if self._painted else _NO_POINTS,
         )
         self._drawn.touch_front(self._brush.screen_box())
 
-    def _remember(self, place: AnyArray) -> None:
-        """Keep where something is painted now, so that the brush does not hide it."""
-        last = self._painted[-1][-1] if self._painted else place
-        apart = float(np.linalg.norm(place - last))
-        if self._painted and apart < _APART_MM:
+    def _add_painted(self, point: AnyArray) -> None:
+        """Add a point that is painted now, which the brush is not to hide."""
+        last = self._painted[-1][-1] if self._painted else point
+        distance = float(np.linalg.norm(point - last))
+        if self._painted and distance < _APART_MM:
             return
-        n = max(1, round(apart / _APART_MM)) if apart < _JUMP_MM else 1
-        share = np.arange(1, n + 1)[:, None] / n
-        self._painted.append(last + share * (place - last))
-        del self._painted[:-_KEPT]
+        n = max(1, round(distance / _APART_MM)) if distance < _JUMP_MM else 1
+        fractions = np.arange(1, n + 1)[:, None] / n
+        self._painted.append(last + fractions * (point - last))
+        del self._painted[:-_MOST_POINTS]
 
     def hide_brush(self) -> None:
-        """Let the brush leave the picture, as the pointer did, until the hand moves again."""
+        """Hide the brush until the hand moves again."""
         if self.paint_thread is not None:
             self._left_at = self.paint_thread.newest
-
-
-def _moved(seen: BrushView, shift: AnyArray) -> BrushView:
-    """The brush as it stands, elsewhere (mm)."""
-    pressed = seen.pressed
-    if pressed is not None:
-        pressed = dataclasses.replace(pressed, origin=pressed.origin + shift)
-    return dataclasses.replace(seen, position=seen.position + shift, pressed=pressed)

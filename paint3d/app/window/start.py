@@ -23,7 +23,7 @@ __all__ = ["make_program", "open_first", "run_studio"]
 _FIRST = "bowl"
 
 log = logging.getLogger("paint3d.start")
-"""How far the start is, at level DEBUG: for those who measure it."""
+"""Milestones of the start, at level DEBUG, for benchmarks."""
 
 
 def run_studio(
@@ -51,11 +51,11 @@ def run_studio(
     language : str, optional
         "en" or "zh"; by default what was chosen last, or the system's.
     unit : str, optional
-        What one unit of the mesh file is; by default as the file says, else mm.
+        Unit of the mesh file; by default as the file says, else mm.
     up : str, optional
         The axis of the mesh that points up; by default as its file says, or guessed.
     stylus : str, optional
-        Which stylus pushes back (`find_stylus`), from now on; by default what was chosen last.
+        The haptic stylus (`find_stylus`), from now on; by default what was chosen last.
     opening : QWidget, optional
         Shown until now, to be closed once the window is there.
 
@@ -79,13 +79,14 @@ def run_studio(
     window = StudioWindow(app, settings, plugged=plugged, feel=start_feeling)
     if problem is not None:
         window.workspace.tell(say(problem), state="bad", stays=True)
-    elif (kept := stand_in()) is not None:
+    elif (folder := stand_in()) is not None:
         message = say(
             "The home folder cannot be written: settings and recovery data are kept in {folder}",
-            folder=kept,
+            folder=folder,
         )
         window.workspace.tell(message, state="bad", stays=True)
-    _tell_painted(window)
+    if log.isEnabledFor(logging.DEBUG):
+        window.installEventFilter(_FirstPaint(window))
     window.show()
     window.recent.show()
     if opening is not None:
@@ -100,23 +101,18 @@ def run_studio(
 
 
 class _FirstPaint(QtCore.QObject):
-    """Tells the log when a widget has been painted for the first time."""
+    """Logs when a widget has been painted for the first time."""
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Let everything pass."""
+        """Log the first paint event; filter nothing."""
         if event.type() == QtCore.QEvent.Type.Paint:
             watched.removeEventFilter(self)
             QtCore.QTimer.singleShot(0, lambda: log.debug("window painted"))
         return False
 
 
-def _tell_painted(window: StudioWindow) -> None:
-    if log.isEnabledFor(logging.DEBUG):
-        window.installEventFilter(_FirstPaint(window))
-
-
 def _translate_qt(app: QtWidgets.QApplication) -> None:
-    """Have Qt's own dialogs speak as the window does."""
+    """Translate Qt's own dialogs into the window's language."""
     if spoken() == "zh":
         translator = QtCore.QTranslator(app)
         folder = QtCore.QLibraryInfo.path(QtCore.QLibraryInfo.LibraryPath.TranslationsPath)
@@ -132,7 +128,7 @@ def open_first(
     unit: str | None = None,
     up: str | None = None,
 ) -> None:
-    """Open what a crash left, else what was asked for; the empty window has a page that asks."""
+    """Open what a crash left, else the target; without either, the window's page asks."""
     if window.recovery.offer():
         return
     if target is None and resolution is None and material is None:

@@ -16,14 +16,14 @@ from paint3d.app.window.workspace import Workspace
 __all__ = ["SPEEDS", "ReplayBar", "StatusLine", "keeping_up"]
 
 # ---- Keeping up ----------------------------------------------------------------------------------
-# How the painting keeps up with the hand, in a state and words.
+# Whether the painting keeps up with the hand, as a state and a text.
 
 
 _SLOW_S = 0.4  # what was painted last had waited so long: seen, and not over with the next frame
 
 
 def keeping_up(frame: PaintingFrame | None) -> tuple[str, str]:
-    """A state of the theme's `STATES`, and what is said; before the first frame it keeps up."""
+    """Return one of `theme.STATES` and a text; before the first frame it keeps up."""
     lag_s = 0.0 if frame is None else frame.lag_s
     if frame is None or lag_s <= _SLOW_S:
         return "good", say("keeps up, {ms:.1f} ms", ms=1e3 * lag_s)
@@ -39,7 +39,7 @@ _EVERY_S = 0.25  # how the painting keeps up: oftener it cannot be read
 
 
 class _OneLine(QtWidgets.QLabel):
-    """A line as wide as there is room for; what does not fit ends in an ellipsis."""
+    """A line as wide as its place allows; a longer text ends in an ellipsis."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -48,7 +48,7 @@ class _OneLine(QtWidgets.QLabel):
 
     @property
     def shown(self) -> str:
-        """What of its text is seen."""
+        """The text that is seen."""
         end = QtCore.Qt.TextElideMode.ElideRight
         return self.fontMetrics().elidedText(self.text(), end, self.contentsRect().width())
 
@@ -62,12 +62,12 @@ class _OneLine(QtWidgets.QLabel):
 
 
 class StatusLine:
-    """At the foot of one window.
+    """The status line of one window.
 
     Attributes
     ----------
     message_label, state : QLabel
-        What was said last, and how the painting keeps up.
+        The last message, and whether the painting keeps up.
     """
 
     def __init__(self, workspace: Workspace) -> None:
@@ -92,7 +92,7 @@ class StatusLine:
         self._message_state, self._stays = state, stays
         self.message_label.setText(mark + text)
         self.message_label.setToolTip(text)
-        _dress(self.message_label, state, self._workspace.theme)
+        _set_colour(self.message_label, state, self._workspace.theme)
 
     def _invite(self) -> None:
         self._tell(
@@ -105,17 +105,17 @@ class StatusLine:
         )
 
     def forget_good(self) -> None:
-        """Leave off what was good news; what went wrong is still to be read."""
+        """Remove a message unless it is an error, which is still to be read."""
         if self._message_state != "bad":
             self._invite()
 
     def forget_passing(self) -> None:
-        """Leave off what was done or refused: something else is being painted."""
+        """Remove a message that does not stay: something else is being painted."""
         if not self._stays:
             self._invite()
 
     def show(self, frame: PaintingFrame, picture_s: float | None, *, plays: bool = False) -> None:
-        """Say how the painting keeps up, and how many pictures a second there are.
+        """Show whether the painting keeps up, and the pictures a second.
 
         Parameters
         ----------
@@ -130,7 +130,7 @@ class StatusLine:
             state, text = "good", say("goes on")
         if state == self._state and now < self._next:
             return
-        _dress(self.state, state, self._workspace.theme)
+        _set_colour(self.state, state, self._workspace.theme)
         self._state, self._next = state, now + _EVERY_S
         seen = ""
         if picture_s is not None and not plays:
@@ -139,18 +139,18 @@ class StatusLine:
 
     def _set_theme(self, theme: Theme) -> None:
         for label, state in ((self.message_label, self._message_state), (self.state, self._state)):
-            _dress(label, state, theme)
+            _set_colour(label, state, theme)
 
 
-def _dress(label: QtWidgets.QLabel, state: str, theme: Theme) -> None:
-    """Give a label the colour of a state, if it has another: the whole window is laid out then."""
+def _set_colour(label: QtWidgets.QLabel, state: str, theme: Theme) -> None:
+    """Give a label the colour of a state, if it has another: that lays out the whole window."""
     sheet = f"color: {theme.state_colour(state)}"
     if label.styleSheet() != sheet:
         label.setStyleSheet(sheet)
 
 
 # ---- Replay --------------------------------------------------------------------------------------
-# A bar in the line of status while a recording is replayed: how far, how fast, pause, stop.
+# A bar in the status line while a recording is replayed: progress, speed, pause, stop.
 
 
 SPEEDS = (
@@ -159,11 +159,11 @@ SPEEDS = (
 )  # fmt: skip
 _STEPS = 1000
 _WIDTH = 110  # pixels
-_LONG_S = 40.0  # that is still to be waited for: a way out is offered
+_LONG_S = 40.0  # time left from which `still` is offered
 
 
 class ReplayBar(QtWidgets.QWidget):
-    """Bar that pauses, stops and speeds up what is played, with the time left; seen meanwhile.
+    """Bar that pauses, stops and speeds up a replay, with the time left; shown meanwhile.
 
     Parameters
     ----------
@@ -174,15 +174,15 @@ class ReplayBar(QtWidgets.QWidget):
     ----------
     bar : QProgressBar
     speed : QComboBox
-        How many times the hand's own; it may be changed while it is played.
+        A multiple of the hand's own; it may be changed during the replay.
     hold : QPushButton
         Pauses while it is pressed down.
     button : QPushButton
         Stops.
     left : QLabel
-        How long it still takes, once that is known.
+        The time left, once that is known.
     still : QPushButton
-        Has a text written on without its ink spreading; seen where that takes long.
+        Writes a text on without its ink spreading; shown where that takes long.
     """
 
     def __init__(self, workspace: Workspace, player: Player) -> None:

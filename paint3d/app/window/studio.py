@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
-from collections.abc import Callable
+import traceback
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -46,17 +48,92 @@ from paint3d.app.window.reference.reference import Reference
 from paint3d.app.window.seal import Sealing
 from paint3d.app.window.status_line import ReplayBar, StatusLine
 from paint3d.app.window.theme import DARK_THEME
-from paint3d.app.window.timer_faults import ReportOnce
 from paint3d.app.window.tour import Tour
 from paint3d.app.window.view_actions import ViewActions
 from paint3d.app.window.view_keeping import ViewKeeping
-from paint3d.app.window.window_geometry import first_size, restore_window, window_words
 from paint3d.app.window.wording import say, say_error
 from paint3d.app.window.workspace import Workspace
 from paint3d.colour.materials import Material
 from paint3d.errors import Message, Paint3DError
 
 __all__ = ["StudioWindow"]
+
+# ---- Size, position and panels -------------------------------------------------------------------
+# As the settings store them.
+
+
+_VERSION = 1  # of the arrangement of tool bars and panels: another one is not restored
+_SIZE = QtCore.QSize(1280, 800)
+_FRAME = QtCore.QSize(2, 38)  # that a window manager puts around it, about
+
+
+def first_size(window: QtWidgets.QMainWindow) -> QtCore.QSize:
+    """Return a window's size at its first opening: no larger than its screen."""
+    available = window.screen().availableGeometry().size() - _FRAME
+    return _SIZE.boundedTo(available).expandedTo(window.minimumSizeHint())
+
+
+def window_words(window: QtWidgets.QMainWindow) -> dict[str, object]:
+    """Return the state that `restore_window` takes, as JSON can hold it."""
+    return {
+        "geometry": _text(window.saveGeometry()),
+        "panels": _text(window.saveState(_VERSION)),
+    }
+
+
+def restore_window(window: QtWidgets.QMainWindow, words: Mapping[str, object]) -> None:
+    """Restore a window's size, position and panels; what cannot be used is ignored.
+
+    Qt moves what would lie beside the screens back onto one.
+    """
+    geometry, panels = words.get("geometry"), words.get("panels")
+    if isinstance(geometry, str):
+        window.restoreGeometry(_bytes(geometry))
+    if isinstance(panels, str):
+        window.restoreState(_bytes(panels), _VERSION)
+
+
+def _text(data: QtCore.QByteArray) -> str:
+    return bytes(data.toBase64().data()).decode("ascii")
+
+
+def _bytes(text: str) -> QtCore.QByteArray:
+    return QtCore.QByteArray.fromBase64(text.encode("utf-8", "replace"))
+
+
+# ---- Faults of timers ----------------------------------------------------------------------------
+# A timer repeats its action, and must not repeat its error messages.
+
+
+class ReportOnce:
+    """Runs an action and reports each distinct exception once, by where it was raised.
+
+    Parameters
+    ----------
+    action : callable
+    tell : callable
+        Called with the fault's text, for the user.
+    """
+
+    def __init__(self, action: Callable[[], object], tell: Callable[[str], object]) -> None:
+        self._action, self._tell = action, tell
+        self._known: set[tuple[object, ...]] = set()
+
+    def __call__(self) -> None:
+        """Run the action; report an exception that is new."""
+        try:
+            self._action()
+        except Exception as error:  # the next call may well succeed
+            last = traceback.extract_tb(error.__traceback__)[-1]
+            fault = type(error), last.filename, last.lineno
+            if fault not in self._known:
+                self._known.add(fault)
+                sys.excepthook(type(error), error, error.__traceback__)
+                self._tell(f"{type(error).__name__}: {error}")
+
+
+# ---- The window ----------------------------------------------------------------------------------
+
 
 _TICK_MS = 12
 _RESTING_S, _REST_TICK_MS = 2.0, 80  # after which ticks come less often, and how often
@@ -66,7 +143,7 @@ _MISREAD = Message("This pen reports pressures outside 0 to 1; they are clipped"
 
 
 class StudioWindow(QtWidgets.QMainWindow):
-    """A painting in a window: makes the parts, and lets them know of each other.
+    """The window: makes the parts, and connects them.
 
     Parameters
     ----------
@@ -109,7 +186,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._make_jobs()
         self.copying = CopybookGuide(workspace, self.panels.copybook)
         self.writing = TextWriting(
-            workspace, self.player, self.copying.held,
+            workspace, self.player, self.copying.chosen_text,
             lambda em_mm: self.copying.change({"em_mm": em_mm}),
         )  # fmt: skip
         self.copying.laid_out = self.writing.prepare
@@ -124,15 +201,16 @@ class StudioWindow(QtWidgets.QMainWindow):
         self._show_open(False)
         self._take_settings()
         self._next_draw = 0.0
-        self._letting_go = collect_later(self)
+        self._collector = collect_later(self)
         self._timer = QtCore.QTimer(self)
         self._timer.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
+        # a lambda, as tests and scripts may put another `tick` there
         self._guarded = ReportOnce(lambda: self.tick(), self._tell_fault)
         self._timer.timeout.connect(self._guarded)
         self._connect()
         self._timer.start(_TICK_MS)
 
-    # -- making it --------------------------------------------------------------------------
+    # -- parts ------------------------------------------------------------------------------
 
     def _make_jobs(self) -> None:
         workspace, history = self.workspace, self.panels.history
@@ -190,7 +268,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         restore_window(self, settings.window)
 
     def _connect(self) -> None:
-        """Let the parts hear of each other."""
+        """Connect the parts' signals."""
         workspace, panels = self.workspace, self.panels
         workspace.opened.connect(self._show_document)
         workspace.saved.connect(self._show_title)
@@ -202,6 +280,7 @@ class StudioWindow(QtWidgets.QMainWindow):
                 say("Alt moves the window here: hold Space and drag to turn the view"), state="bad"
             )
         )
+        # first the message of before is removed, then a replay that gives way leaves its own
         self.hand.began.connect(self.status.forget_passing)
         self.hand.began.connect(self.player.give_way)
         self.hand.began.connect(self.panels.history.give_way)
@@ -228,7 +307,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         panels.hand.mask_degrees.connect(self.painting.set_mask_degrees)
 
     def _take_material(self, material: str | Material) -> None:
-        """Let the object be of another material; where it is not to be, show what it is."""
+        """Begin anew in another material; if that is declined, show the current one."""
         if not self.standing.take_material(material):
             self.panels.surface.show_surface(self.workspace.painting)
 
@@ -236,14 +315,14 @@ class StudioWindow(QtWidgets.QMainWindow):
 
     @property
     def document(self) -> Document:
-        """What is being painted, for scripts and tests that look on: the window reads `painting`.
+        """The document, for scripts and tests that look on: the window reads `painting`.
 
-        The step that is going on has ended, if it does so within a second.
+        The current step has ended, if it does so within a second.
         """
         return self.workspace.paint_thread.look(1.0)
 
     def _show_document(self, opened: OpenResult) -> None:
-        """Paint on this from now on, and let go of what was painted on before."""
+        """Close the painting before, and show another one."""
         document, settings = opened.document, self.workspace.settings
         self.player.stop()
         self.status.forget_good()
@@ -251,7 +330,11 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.workspace.remember_in_hand()
         self.stage.close_document()
         self._show_open(False)
-        recovery = self._recovery_folder(document)
+        recovery: RecoveryFolder | None = None
+        try:
+            recovery = RecoveryFolder(document)
+        except Paint3DError as error:  # painting goes on without
+            self.workspace.tell(say_error(error), state="bad", stays=True)
         self.stage.open(opened, wet=wet, recovery=recovery, autosave_interval_s=settings.autosave_s)
         self._show_open(True)
         self.commands.check("wet", wet)
@@ -259,32 +342,20 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.views.recall_last(document)
         self.both_hands.open()
         self.panels.open()
-        self._draw_first()
-        self._show_title()
-        self._letting_go.start()
-
-    def _draw_first(self) -> None:
-        """Have the picture there with the title; that of millions of triangles takes a while."""
         pixels = self.stage.draw()
-        if pixels is not None:
+        if pixels is not None:  # with the title: millions of triangles take a while
             self.canvas.show_pixels(pixels)
             self.canvas.repaint()
+        self._show_title()
+        self._collector.start()
 
     def _show_open(self, is_open: bool) -> None:
-        """Let what needs a painting be asked for, or not."""
+        """Enable or disable commands and panels that need a painting."""
         self.commands.set_open(is_open)
         self.panels.set_open(is_open)
 
-    def _recovery_folder(self, document: Document) -> RecoveryFolder | None:
-        """Where what is painted is kept; without one, painting goes on and it is said."""
-        try:
-            return RecoveryFolder(document)
-        except Paint3DError as error:
-            self.workspace.tell(say_error(error), state="bad", stays=True)
-            return None
-
     def _show_title(self) -> None:
-        """Name the painting, and say whether something is unsaved."""
+        """Show the painting's name, and whether something is unsaved."""
         painting = self.workspace.painting
         name = (
             painting.path.name if painting.path else described(painting.source, painting.material)
@@ -327,7 +398,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         if pixels is not None:
             self.canvas.show_pixels(pixels, self.stage.changed)
             self.hud.follow()
-            # where nothing is painted, and only the view has moved, nobody needs the time
+            # rest after painting alone: where only the view has moved, nothing waits for the time
             rest = _REST * (time.thread_time() - started) if frame is not None else 0.0
             self._next_draw = time.perf_counter() + rest
             self._tick_in(rest)
@@ -335,12 +406,12 @@ class StudioWindow(QtWidgets.QMainWindow):
             self.hud.refresh()
 
     def _tick_in(self, seconds: float) -> None:
-        """Let the next tick come then, and later ones as always."""
-        if self._timer.isActive():  # it may be held
+        """Delay the next tick by so long; later ones come as always."""
+        if self._timer.isActive():  # `_hold` may have stopped it
             self._timer.start(max(1, math.ceil(1e3 * seconds)))
 
     def _wake(self) -> None:
-        """Let ticks come often again at once: a hand has moved over the picture."""
+        """Tick often again at once: a hand has moved over the picture."""
         if self._timer.isActive() and self._timer.interval() > _TICK_MS:
             self._timer.start(_TICK_MS)
 
@@ -349,10 +420,10 @@ class StudioWindow(QtWidgets.QMainWindow):
             self.workspace.tell(say("Recovery data is being saved again"), state="good")
             return
         refused, keeping = event.kind == "error", event.doing == "keeping"
-        told = say_error((event.error if refused else None) or event.message)
+        message = say_error((event.error if refused else None) or event.message)
         if keeping:
-            told = say("Recovery data cannot be saved: {message}", message=told)
-        self.workspace.tell(told, state="bad", stays=not refused or keeping)
+            message = say("Recovery data cannot be saved: {message}", message=message)
+        self.workspace.tell(message, state="bad", stays=not refused or keeping)
 
     def _show_state(self, frame: PaintingFrame) -> None:
         workspace = self.workspace
@@ -366,7 +437,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.status.show(frame, picture_s, plays=self.player.is_playing)
 
     def _allow_undo(self, fraction: float) -> None:
-        """Let a replay that goes on be taken back."""
+        """Enable undo for a replay."""
         if fraction >= 0.0:
             self.workspace.actions["undo"].setEnabled(True)
 
@@ -387,19 +458,19 @@ class StudioWindow(QtWidgets.QMainWindow):
     # -- the window's own events ------------------------------------------------------------
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
-        """Make room for all tools, and for the inks."""
+        """Fit the tools and the inks into the new height."""
         super().resizeEvent(event)
         self.commands.fit(event.size().height())
         self.panels.inks.fit(event.size().height())
 
     def event(self, event: QtCore.QEvent) -> bool:
-        """End a stroke that a dialog or a bar interrupts: it will not hear of the pen's lift."""
+        """End a stroke that a dialog or a bar interrupts, which gets the pen's release itself."""
         if event.type() == QtCore.QEvent.Type.WindowBlocked and self.stage.paint_thread is not None:
             self.hand.interrupt()
         return super().event(event)
 
     def closeEvent(self, event: QtGui.QCloseEvent) -> None:
-        """Ask about what is unsaved, then let go of everything."""
+        """Ask about unsaved work, then close everything."""
         if not (self.saving.may_leave() and self.workspace.may_let_go()):
             event.ignore()
             return

@@ -26,12 +26,12 @@ FONTS = ["Inter", "Noto Sans", "Noto Sans CJK SC", "Source Han Sans SC", "PingFa
 _POINTS = 9.5
 
 STATES = {"good": "●", "slow": "▲", "bad": "■", "off": "○"}
-"""State to its shape; the shape and a word tell it, the colour only repeats it."""
+"""Shapes of the states: shape and text show a state, its colour only repeats it."""
 
 
 @dataclass(frozen=True)
 class Theme:
-    """Colours by what they are for, as #rrggbb."""
+    """Colours by their purpose, as #rrggbb."""
 
     name: str
     window: str
@@ -49,7 +49,7 @@ class Theme:
     bad: str
 
     def state_colour(self, state: str) -> str:
-        """Of one of `STATES`."""
+        """Return the colour of one of `STATES`."""
         return {"good": self.good, "slow": self.slow, "bad": self.bad}.get(state, self.faint)
 
 
@@ -66,16 +66,16 @@ DARK_THEME = Theme(
 
 
 def is_system_dark(app: QtWidgets.QApplication) -> bool:
-    """Whether the desktop is dark."""
+    """Return whether the desktop is dark."""
     return app.palette().color(QtGui.QPalette.ColorRole.Window).lightness() < 128
 
 
 def apply_theme(app: QtWidgets.QApplication, theme: Theme) -> None:
-    """Dress the whole program, unless it is dressed so already: each of its widgets is restyled."""
+    """Style the whole program, unless it has the style: each of its widgets is restyled."""
     sheet = _SHEET.format(**vars(theme))
     if app.styleSheet() == sheet:
         return
-    if app.font().families()[: len(FONTS)] != list(FONTS):  # or all are restyled once more
+    if app.font().families()[: len(FONTS)] != list(FONTS):  # setting them again would restyle all
         app.setStyle("Fusion")
         font = QtGui.QFont()
         font.setFamilies([*FONTS, app.font().family()])
@@ -249,7 +249,7 @@ _SIZES = (16, 20, 24, 32, 48, 64)
 
 @cache
 def make_icon(name: str, theme: Theme) -> QtGui.QIcon:
-    """The icon of that name, with a fainter one for what cannot be done now; drawn once."""
+    """Return the icon of a name, fainter for what is disabled; drawn once."""
     icon = QtGui.QIcon()
     modes = {QtGui.QIcon.Mode.Normal: theme.text, QtGui.QIcon.Mode.Disabled: theme.line}
     for mode, colour in modes.items():

@@ -23,14 +23,14 @@ _TURNED = 0.02  # of the camera's distance
 
 
 class _TourStep(NamedTuple):
-    """What is said, and whether it has been done."""
+    """A step: its text, and whether it is done."""
 
     text: str
     is_done: Callable[[], bool]
 
 
 class Tour(QtWidgets.QFrame):
-    """A card over the picture that goes on with what the hand does.
+    """A card over the picture that follows what the hand does.
 
     Parameters
     ----------
@@ -72,7 +72,7 @@ class Tour(QtWidgets.QFrame):
         self.hide()
 
     def do_tour(self) -> None:
-        """Begin on a new sheet; what is open is asked for as always."""
+        """Begin on a new sheet, after asking about the open painting."""
         if not self._opening.open_path(_SHEET, _RESOLUTION_MM, _MATERIAL):
             return
         workspace = self._workspace
@@ -81,8 +81,8 @@ class Tour(QtWidgets.QFrame):
 
         def turned() -> bool:
             now = workspace.hand.open_camera
-            away = float(np.linalg.norm(camera.position - camera.focus))
-            return float(np.linalg.norm(now.position - camera.position)) > _TURNED * away
+            distance = float(np.linalg.norm(camera.position - camera.focus))
+            return float(np.linalg.norm(now.position - camera.position)) > _TURNED * distance
 
         self._steps = [
             _TourStep(
@@ -132,11 +132,11 @@ class Tour(QtWidgets.QFrame):
         return self._at if self._steps else None
 
     def _is_traced(self) -> bool:
-        copybook = self._copying.held()
-        return copybook is not None and any(ghost.strokes for ghost in copybook.book.ghosts)
+        chosen = self._copying.chosen_text()
+        return chosen is not None and any(ghost.strokes for ghost in chosen.book.ghosts)
 
     def _look(self) -> None:
-        """Go on where the step is done, unless a stroke goes on."""
+        """Go on if the step is done, unless a stroke is being painted."""
         if not self._steps or self._workspace.stage.paint_thread is None:
             self.end()
         elif not self._workspace.hand.in_stroke and self._steps[self._at].is_done():

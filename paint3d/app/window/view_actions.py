@@ -1,4 +1,4 @@
-"""What can be asked of the view and the window, each by the name of its action."""
+"""Commands of the view and the window, each by the name of its action."""
 
 from __future__ import annotations
 
@@ -21,39 +21,39 @@ class ViewActions:
         self._workspace, self._panels, self._steering = workspace, panels, steering
 
     def do_frame_all(self) -> None:
-        """See the whole object."""
+        """Show the whole object."""
         self._workspace.hand.show_all()
 
     def do_frame_selected(self) -> None:
-        """See what is under the pointer from near."""
+        """Show the point under the pointer from near."""
         self._workspace.hand.show_place()
 
     def do_look_front(self) -> None:
-        """See it from the front."""
+        """Show it from the front."""
         self._workspace.hand.look_from("front")
 
     def do_look_back(self) -> None:
-        """See it from behind."""
+        """Show it from behind."""
         self._workspace.hand.look_from("back")
 
     def do_look_left(self) -> None:
-        """See it from the left."""
+        """Show it from the left."""
         self._workspace.hand.look_from("left")
 
     def do_look_right(self) -> None:
-        """See it from the right."""
+        """Show it from the right."""
         self._workspace.hand.look_from("right")
 
     def do_look_top(self) -> None:
-        """See it from above."""
+        """Show it from above."""
         self._workspace.hand.look_from("top")
 
     def do_look_bottom(self) -> None:
-        """See it from below."""
+        """Show it from below."""
         self._workspace.hand.look_from("bottom")
 
     def do_upright(self) -> None:
-        """Roll the picture back."""
+        """Roll the view upright."""
         self._steering.upright()
 
     def do_grips(self, on: bool) -> None:
@@ -99,12 +99,12 @@ class ViewActions:
         self._workspace.update_settings(theme="dark" if on else "light")
 
     def do_test_pen(self) -> None:
-        """Show what a pen tells."""
+        """Show what a pen reports."""
         workspace = self._workspace
         PenTestDialog(workspace.window, workspace.theme, workspace.settings.curve).exec()
 
     def do_preferences(self) -> None:
-        """Ask for language, theme, units, and how much is kept."""
+        """Ask for language, theme, units and the other settings, and apply them."""
         workspace = self._workspace
         dialog = PreferencesDialog(workspace.window, workspace.settings)
         if not dialog.exec():
@@ -131,7 +131,7 @@ class ViewActions:
             workspace.tell(say("The language changes with the next start"))
 
     def do_quit(self) -> None:
-        """Leave."""
+        """Close the window."""
         self._workspace.window.close()
 
     def do_shortcuts(self) -> None:
@@ -139,7 +139,7 @@ class ViewActions:
         KeysDialog(self._workspace.window).exec()
 
     def do_about(self) -> None:
-        """Say what this is."""
+        """Show the program's version."""
         from paint3d import __version__
 
         message = say(

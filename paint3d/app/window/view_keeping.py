@@ -1,4 +1,4 @@
-"""Views that are kept with a painting: by name, and the one that it was left in."""
+"""Views saved with a painting: by name, and the last one."""
 
 from __future__ import annotations
 
@@ -21,15 +21,15 @@ _MOST = 100
 
 
 class ViewKeeping:
-    """Keeps views by name and goes back to them; ``do_<action>`` for each."""
+    """Saves views by name and goes back to them; ``do_<action>`` for each."""
 
     def __init__(self, workspace: Workspace, lamp: Lamp) -> None:
         self._workspace, self._lamp = workspace, lamp
         self.views: dict[str, Camera] = {}
-        workspace.before_saving = self._words_now
+        workspace.before_saving = self._write_view
 
     def do_keep_view(self) -> None:
-        """Ask for a name, and keep what is seen by it."""
+        """Ask for a name, and save the view by it."""
         workspace = self._workspace
         name, agreed = QtWidgets.QInputDialog.getText(
             workspace.window, say("Keep this view…").rstrip("…"), say("Its name"),
@@ -47,7 +47,7 @@ class ViewKeeping:
         workspace.tell(say("The view is kept as {name}", name=name), state="good")
 
     def do_recall_view(self) -> None:
-        """Ask which view, and look so."""
+        """Ask for a saved view, and go back to it."""
         workspace = self._workspace
         if not self.views:
             workspace.tell(say("No view is kept; Ctrl+Shift+B keeps this one"), state="bad")
@@ -60,7 +60,7 @@ class ViewKeeping:
             workspace.hand.look(self.views[name])
 
     def recall_last(self, document: Document) -> None:
-        """Look as when a painting was saved, and know the views that are kept with it."""
+        """Restore the view, the light and the named views of a painting."""
         self.views = {}
         self._lamp.recall(document)
         words = document.properties.get("views")
@@ -73,8 +73,8 @@ class ViewKeeping:
         if last is not None:
             self._workspace.hand.look(last)
 
-    def _words_now(self, document: Document) -> None:
-        """Have a painting that is about to be saved know how it is seen."""
+    def _write_view(self, document: Document) -> None:
+        """Write the current view into a painting that is about to be saved."""
         camera = self._workspace.hand.camera
         if camera is not None:
             document.properties["view"] = _words_of(camera)
@@ -90,7 +90,7 @@ def _words_of(camera: Camera) -> dict[str, Any]:
 
 
 def _camera_of(words: object) -> Camera | None:
-    """The camera that was kept; None where it is none."""
+    """Return a saved camera; None if it is invalid."""
     if not isinstance(words, Mapping):
         return None
     try:
@@ -98,7 +98,7 @@ def _camera_of(words: object) -> Camera | None:
             as_array(words[name], name, (3,)) for name in ("position", "focus", "up")
         )
         camera = Camera(position, focus, up, as_number(words["angle"], "angle", 1e-3, 3.0))
-        picture_axes(camera)  # it looks somewhere
+        picture_axes(camera)  # raises if it has no direction
         return camera
     except (KeyError, InputError):
         return None

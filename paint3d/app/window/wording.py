@@ -1,9 +1,9 @@
-"""What the window says, in the language that was chosen.
+"""The window's texts, in the chosen language.
 
-All of it is written in English where it is said, and looked up by that in gettext's catalogue of
+All are written in English where they are used, and looked up by that in gettext's catalogue of
 the language (`locale/`): texts by `say`, and messages that errors, notes and tables bring. Names of
-pigments come from the column `chinese` of `palette.csv` instead, those of one's own materials from
-their files, and what Qt's own dialogs say from Qt (`start.py`).
+pigments come from the column `chinese` of `palette.csv` instead, those of the user's materials from
+their files, and the texts of Qt's own dialogs from Qt (`start.py`).
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ __all__ = [
 ]
 
 LANGUAGES = {"en": "English", "zh": "中文"}
-"""What is spoken, as its speakers call it."""
+"""Names of the languages, each in itself."""
 
 _CATALOGUES = Path(__file__).with_name("locale")
 _LOCALES = {"zh": "zh_CN"}
@@ -49,7 +49,7 @@ _LOCALES = {"zh": "zh_CN"}
 
 
 def system_language(environment: Mapping[str, str] | None = None) -> str:
-    """The language of the user's system, as far as it is one of `LANGUAGES`; else English."""
+    """Return the code of the system's language if it is one of `LANGUAGES`; else "en"."""
     environment = os.environ if environment is None else environment
     for name in ("LANGUAGE", "LC_ALL", "LC_MESSAGES", "LANG"):
         value = environment.get(name, "").split(":")[0].split(".")[0].lower()
@@ -69,7 +69,7 @@ _REASONS = (
     Message("Input/output error"),
     Message("Connection refused"),
 )
-"""What the system says of files, as errors quote it."""
+"""The system's messages about files, as errors quote them."""
 
 _language = ["en"]
 _catalogue = [gettext.NullTranslations()]
@@ -77,7 +77,7 @@ _unit = ["mm"]
 
 
 def choose_language(code: str) -> None:
-    """Speak "en", "zh" or as the "system" from now on; what is open keeps its words.
+    """Choose "en", "zh" or the "system"'s language; texts that are shown already stay.
 
     Raises
     ------
@@ -98,12 +98,12 @@ def choose_language(code: str) -> None:
 
 
 def language() -> str:
-    """The language that is spoken: "en" or "zh"."""
+    """Return the chosen language: "en" or "zh"."""
     return _language[0]
 
 
 def say(text: str, plural: str = "", /, **fields: Any) -> str:
-    """A text in the language that is spoken, with its fields put in.
+    """Return a text in the chosen language, with its fields filled in.
 
     Parameters
     ----------
@@ -112,7 +112,7 @@ def say(text: str, plural: str = "", /, **fields: Any) -> str:
     plural : str, optional
         The English for a field `n` other than 1.
     **fields
-        Those that are messages are said in the language, too.
+        Those that are messages are translated, too.
     """
     if isinstance(text, Message):
         plural, fields, text = text.plural, text.fields | fields, text.text
@@ -127,14 +127,14 @@ def say(text: str, plural: str = "", /, **fields: Any) -> str:
 
 
 def say_error(error: BaseException | str) -> str:
-    """What went wrong, in the language that is spoken."""
+    """Return an error's message in the chosen language."""
     if isinstance(error, Paint3DError):
         error = error.message
     return say(error) if isinstance(error, Message) else str(error)
 
 
 # ---- Names ---------------------------------------------------------------------------------------
-# A name that is a user's own stays as it is, were it also a text of the catalogue.
+# A name that the user gave stays as it is, even if the catalogue has it.
 
 _OBJECTS = {
     "bowl": Message("Bowl"),
@@ -214,25 +214,25 @@ _UNITS = {
 
 
 def say_object(name: str) -> str:
-    """What a built-in object or a sheet is called; another name as it is."""
+    """Return the name of a built-in object or a sheet; another one as it is."""
     form = name.split(":")[0]
     return say(_OBJECTS[form]) if is_built_in(name) else name
 
 
 def say_material(material: Material) -> str:
-    """What a material is called: one of the user's own as its file says."""
+    """Return a material's name; one of the user's own as in its file."""
     if material.name in load_materials():
         return say(_MATERIALS[material.name])
     return material.chinese if language() == "zh" and material.chinese else material.name
 
 
 def say_brush(name: str) -> str:
-    """What a brush is called: one of the user's own as its file says."""
+    """Return a brush's name; one of the user's own as in its file."""
     return say(_BRUSHES[name]) if name in _BRUSHES and name in brush_names() else name
 
 
 def say_fonts(characters: Mapping[str, str]) -> list[str]:
-    """Which characters fonts of the system stand in for, by the fonts' names."""
+    """Return a note for each system font that stands in for characters."""
     return [
         say("{characters} taken from the font {font}", characters=taken, font=font)
         for font, taken in characters.items()
@@ -240,49 +240,49 @@ def say_fonts(characters: Mapping[str, str]) -> list[str]:
 
 
 def say_purpose(name: str) -> str:
-    """What a brush that comes along is for; empty of one's own."""
+    """Return the purpose of a preset brush; empty for one of the user's own."""
     return say(_PURPOSES[name]) if name in _PURPOSES and name in brush_names() else ""
 
 
 def say_hair(hair: str) -> str:
-    """What hair a brush is of."""
+    """Return the name of a brush's hair."""
     return say(_HAIRS[hair])
 
 
 def say_layer(name: str) -> str:
-    """What a layer is called: one that nobody named has only a number."""
+    """Return a layer's name; one that the user did not name has a number only."""
     return say("Layer {number}", number=name) if name.isdigit() else name
 
 
 def say_group(name: str) -> str:
-    """What a group of layers is called: one that nobody named has only a number."""
+    """Return a group's name; one that the user did not name has a number only."""
     return say("Group {number}", number=name) if name.isdigit() else name
 
 
 def choose_unit(unit: str) -> None:
-    """Tell lengths in "mm", "cm", "m" or "in" from now on."""
+    """Choose "mm", "cm", "m" or "in" for lengths."""
     _unit[0] = unit
 
 
 def say_units() -> dict[str, str]:
-    """What the units of lengths are called."""
+    """Return the names of the units of length."""
     return {unit: say(_UNITS[unit]) for unit in UNITS_MM}
 
 
 def say_length(mm: float) -> str:
-    """A length in words, in the unit that was chosen."""
+    """Format a length in the chosen unit."""
     number = mm / UNITS_MM[_unit[0]]
     return f"{number:.0f} {_unit[0]}" if number >= 100.0 else f"{number:.3g} {_unit[0]}"
 
 
 def say_sides(*sides_mm: float) -> str:
-    """Lengths of sides in words, in the unit that was chosen."""
+    """Format lengths of sides in the chosen unit."""
     *others, last = (say_length(side) for side in sides_mm)
     return " × ".join([*(other.split()[0] for other in others), last])
 
 
 def say_left(seconds: float) -> str:
-    """How long something still takes, in words."""
+    """Return a text on the time left."""
     if seconds < 57.5:
         return say("about {n} s left", n=max(5, 5 * round(seconds / 5.0)))
     return say("about {n} min left", n=round(seconds / 60.0))

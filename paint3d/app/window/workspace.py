@@ -1,4 +1,4 @@
-"""What the parts of a window have in common: the picture, the hand over it, settings, a voice."""
+"""Shared by the parts of a window: the picture, the hand, the settings, the status line."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from paint3d.view.live_scene import DARK, LIGHT
 
 __all__ = ["Workspace"]
 
-_LOOK_S = 0.04  # between two looks whether work is still wanted
+_LOOK_S = 0.04  # between two checks whether work is still wanted
 
 
 class Workspace(QtCore.QObject):
@@ -44,21 +44,21 @@ class Workspace(QtCore.QObject):
     Attributes
     ----------
     actions : dict of str to QAction
-        What can be asked for, by name.
+        The commands, by name.
     canvas : CanvasWidget
     stage : Stage
     hand : CanvasHand
     theme : Theme
     error : BaseException or None
-        What went wrong last.
+        The last error.
     may_drop : callable
-        Asks whether what belongs to the painting and is not in it may be lost with it.
+        Asks whether unsaved work beside the painting may be dropped with it.
     before_saving : callable
         Called with a document that is about to be saved, by the painting thread.
     amount : dict of str to float, or None
         How much the next dip takes up, as `DipAmount.words` says it; None: as the dip before.
     quiet : bool
-        Keep it there instead of showing it.
+        Store errors there instead of showing them.
 
     Signals
     -------
@@ -69,7 +69,7 @@ class Workspace(QtCore.QObject):
     saved : ()
         The painting has another name, or nothing unsaved any more.
     held : bool
-        Nothing is to be drawn and followed, or all again.
+        Drawing and following pauses, or goes on.
     theme_changed : Theme
     """
 
@@ -103,34 +103,34 @@ class Workspace(QtCore.QObject):
         self.may_drop: Callable[[], bool] = lambda: True
         self.before_saving: Callable[[Document], None] = lambda _: None
         self.amount: Mapping[str, float] | None = None
-        self._to_tell: list[str] = []
+        self._first_messages: list[str] = []
 
     # -- the painting -----------------------------------------------------------------------
 
     @property
     def paint_thread(self) -> PaintThread:
-        """What paints, while something is open; `stage.paint_thread` says whether anything is."""
+        """The painting thread, while something is open; `stage.paint_thread` may be None."""
         return self.stage.open_paint_thread
 
     @property
     def painting(self) -> Snapshot:
-        """What is being painted, as it was after the last step."""
+        """The painting, as it was after the last step."""
         return self.paint_thread.painting
 
     def show(self, opened: OpenResult) -> bool:
-        """Paint on this from now on; False if it was stopped: see `may_let_go`."""
+        """Open another painting; False if that was stopped: see `may_let_go`."""
         if not self.may_let_go():
             return False
         self.opened.emit(opened)
-        if self._to_tell:
-            message, self._to_tell = "; ".join(self._to_tell), []
+        if self._first_messages:  # later, or what opened the painting shows its own message last
+            message, self._first_messages = "; ".join(self._first_messages), []
             QtCore.QTimer.singleShot(0, self, lambda: self.tell(message, state="bad", stays=True))
         return True
 
     def may_let_go(self) -> bool:
-        """Wait for the step of the painting that is going on, after which it begins no other.
+        """Halt the painting thread, waiting for its current step.
 
-        What waits is not done any more: whoever lets go of a painting has saved it or does without.
+        Queued commands are not done: whoever closes a painting has saved it or does without.
 
         Returns
         -------
@@ -162,16 +162,16 @@ class Workspace(QtCore.QObject):
             self.stage.paint_thread.post(command, *arguments)
 
     def dip(self, ink: Any = None, reach: float | None = None) -> None:
-        """Have the brush dipped, in the same again or an ink, in as much of it as was chosen."""
+        """Dip the brush in an ink or the same again, by the amount that was chosen."""
         if reach is None:
             self.post("dip", ink, None, self.amount)
         else:
             self.post("dip", ink, reach)
 
-    # -- words ------------------------------------------------------------------------------
+    # -- messages ---------------------------------------------------------------------------
 
     def tell(self, text: str, *, state: str = "off", stays: bool = False) -> None:
-        """Say something in the status line, marked by its shape.
+        """Show a message in the status line, marked by its state.
 
         Parameters
         ----------
@@ -179,13 +179,13 @@ class Workspace(QtCore.QObject):
         state : str
             One of `theme.STATES`.
         stays : bool
-            Whether it is so until something else is said; if not, the next stroke takes its place.
+            Whether it stays until the next message; if not, the next stroke removes it.
         """
         self.said.emit(text, state, stays)
 
     def tell_first(self, text: str) -> None:
-        """Say what went wrong before there was a window, once the first painting is open."""
-        self._to_tell.append(text)
+        """Show a problem from before there was a window once the first painting is open."""
+        self._first_messages.append(text)
 
     # -- choices ----------------------------------------------------------------------------
 
@@ -205,7 +205,7 @@ class Workspace(QtCore.QObject):
         self.settings = dataclasses.replace(self.settings, **chosen, force_n=self.hand.force)
 
     def wants_dark(self) -> bool:
-        """Whether the settings ask for the dark theme."""
+        """Return whether the settings ask for the dark theme."""
         dark = self.settings.theme == "dark"
         return dark or (self.settings.theme == "system" and self._system_dark)
 
@@ -221,7 +221,7 @@ class Workspace(QtCore.QObject):
 
     @property
     def is_waiting(self) -> bool:
-        """Whether work goes on that the window waits for."""
+        """True while the window waits for work."""
         return is_waiting(self.window)
 
     def run(
@@ -230,11 +230,11 @@ class Workspace(QtCore.QObject):
         work: Callable[[JobProgress], object],
         here: Callable[[], None] | None = None,
     ) -> Future[Any]:
-        """Run work beside the window, with a bar that ends it; see `run_beside`."""
+        """Run work beside the window, with a bar to cancel it; see `run_beside`."""
         return run_beside(self.window, title, work, here)
 
     def went_well(self, done: Future[Any]) -> bool:
-        """Whether work ended well; what went wrong is told."""
+        """Return whether work succeeded; show its error."""
         error = done.exception()
         if error is None:
             return True

@@ -89,12 +89,12 @@ class _Work:
                     address=self._address,
                 )
             try:
-                worker, found = task.result()
-            except KilledWorker:  # it died before it could say how it went
+                worker, outcome = task.result()
+            except KilledWorker:  # it died before it could return the outcome
                 yield row, None
                 continue
-            if found is not None:
-                yield row, Outcome(*found)
+            if outcome is not None:
+                yield row, Outcome(*outcome)
                 continue
             self._blind.add(worker)
             if self._seeing():
@@ -112,12 +112,12 @@ class _Work:
         return task
 
     def _seeing(self) -> list[str]:
-        """The workers that may see the folder."""
+        """Return the workers that may see the folder."""
         return [w for w in self._client.scheduler_info(-1)["workers"] if w not in self._blind]
 
 
 def _run_there(folder: str, row: tuple[Any, ...]) -> tuple[str, tuple[Any, ...] | None]:
-    """Run a row on a worker; its address, and how it went, None where it has no such folder."""
+    """Run a row on a worker; return its address, and the outcome, None without the folder."""
     from distributed import get_worker
 
     address = get_worker().address

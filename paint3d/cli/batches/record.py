@@ -1,4 +1,4 @@
-"""What a batch has finished, so that it can go on after an interruption."""
+"""The record of a batch's finished rows, by which it goes on after an interruption."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class FinishedRows:
         Made with the first row. Lines that cannot be read, such as one cut short by a crash,
         are passed over.
     folder : str
-        From which the files of the rows are counted.
+        That relative paths of the rows start from.
     """
 
     def __init__(self, path: Path, folder: str = os.curdir) -> None:
@@ -43,11 +43,11 @@ class FinishedRows:
                 continue
 
     def has(self, row: Row) -> bool:
-        """Whether the row was finished as it stands, and its output has not been touched since."""
+        """Return whether this very row was finished, and its output is unchanged since."""
         return self._known.get(fingerprint(row, self._folder), ()) == self._state(row)
 
     def add(self, row: Row, seconds: float) -> None:
-        """Note that a row is finished, and in what time.
+        """Record that a row is finished, and its time.
 
         Raises
         ------
@@ -72,7 +72,7 @@ class FinishedRows:
 
     def _state(self, row: Row) -> tuple[int, int] | None:
         try:
-            found = os.stat(os.path.join(self._folder, row.output))
+            status = os.stat(os.path.join(self._folder, row.output))
         except (OSError, ValueError):
             return None
-        return found.st_size, found.st_mtime_ns
+        return status.st_size, status.st_mtime_ns

@@ -1,4 +1,4 @@
-"""One row of a batch: what one would type for it, and running that wherever there is a core."""
+"""A row of a batch: its command line, and running it in this process."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ __all__ = ["Outcome", "Row", "command_parser", "fingerprint", "run_row", "withou
 
 _INKS = ("--ink", "--tip")
 _PARAMETERS = ("--brush", "--material")
-COMMANDS = ("write", "replay")  # what a row of a table asks for by itself
+COMMANDS = ("write", "replay")  # of a row that is a painting by itself
 
 
 class Row(NamedTuple):
@@ -39,7 +39,7 @@ class Row(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """How a row went: an empty message is success."""
+    """The outcome of a row: an empty message is success."""
 
     line: int
     message: str
@@ -59,21 +59,21 @@ def _module(command: str) -> ModuleType:
 
 
 def placed(row: Row, folder: str) -> Row:
-    """The row with the files that it names counted from a folder, wherever it is run."""
+    """Return the row with its relative paths joined to a folder, wherever it is run."""
     command, *words = row.arguments
     if command == "compose":
-        counted = [_placed_word(command, word, folder) for word in words]
-        return row._replace(arguments=(command, *counted))
+        joined = [_placed_word(command, word, folder) for word in words]
+        return row._replace(arguments=(command, *joined))
     *options, subject = words
-    counted = [_placed_word(command, word, folder) for word in options]
+    joined = [_placed_word(command, word, folder) for word in options]
     if command == "replay":
         subject = os.path.join(folder, subject)
-    return row._replace(arguments=(command, *counted, subject))
+    return row._replace(arguments=(command, *joined, subject))
 
 
 @cache
 def _file_options(command: str) -> frozenset[str]:
-    """The options of a command that name files."""
+    """Return the options of a command that name files."""
     return frozenset(
         option
         for action in command_parser(command).option_actions()
@@ -83,18 +83,18 @@ def _file_options(command: str) -> frozenset[str]:
 
 
 def _placed_word(command: str, word: str, folder: str) -> str:
-    """An option with the file that it names, if it does, counted from a folder."""
+    """Return an option with the file that it names, if any, joined to a folder."""
     option, equals, value = word.partition("=")
     if option in _file_options(command):
         value = os.path.join(folder, value)
     elif option == "--on":
-        there = os.path.join(folder, value)
+        path = os.path.join(folder, value)
         known = value in BUILT_IN_OBJECTS or is_sheet(value)
-        if not known or os.path.isfile(there):
-            value = there
+        if not known or os.path.isfile(path):
+            value = path
     elif option == "--font":  # a file, or a name that the system knows
-        there = os.path.join(folder, value)
-        value = there if os.path.isfile(there) else value
+        path = os.path.join(folder, value)
+        value = path if os.path.isfile(path) else value
     elif option in _INKS:
         value = with_tables(value, partial(os.path.join, folder))
     elif option in _PARAMETERS and own_file(value) is not None:
@@ -109,7 +109,7 @@ def _placed_word(command: str, word: str, folder: str) -> str:
 
 
 def run_row(row: Row) -> Outcome:
-    """Run a row to its end, here and now; whatever goes wrong is told, never raised."""
+    """Run a row to its end in this process; errors are returned, never raised."""
     started = time.perf_counter()
     try:
         command, *arguments = row.arguments
@@ -130,16 +130,16 @@ def run_row(row: Row) -> Outcome:
 
 
 def without_lacking(rows: Sequence[Row], folder: str) -> tuple[list[Row], list[Outcome]]:
-    """The rows that can be read, in fonts that have all characters, and refusals of the others."""
-    kept, refused = list[Row](), list[Outcome]()
+    """Return the rows whose fonts have all their characters, and refusals of the others."""
+    complete, refused = list[Row](), list[Outcome]()
     for row in rows:
         try:
             _check_fonts(placed(row, folder))
         except (UsageError, Paint3DError) as cause:
             refused.append(Outcome(row.line, str(cause), 0.0, ""))
         else:
-            kept.append(row)
-    return kept, refused
+            complete.append(row)
+    return complete, refused
 
 
 def _check_fonts(row: Row) -> None:
@@ -158,10 +158,10 @@ def _check_fonts(row: Row) -> None:
 
 @contextmanager
 def _named_notes(row: Row) -> Iterator[None]:
-    """Have notes name the row that they are about, unless none are told."""
+    """Prefix notes with their row, unless notes are off."""
     log = logging.getLogger("paint3d")
-    kept = log.handlers[:]
-    if kept and all(isinstance(one, logging.NullHandler) for one in kept):
+    before = log.handlers[:]
+    if before and all(isinstance(one, logging.NullHandler) for one in before):
         yield
         return
     handler = logging.StreamHandler()
@@ -171,11 +171,11 @@ def _named_notes(row: Row) -> Iterator[None]:
     try:
         yield
     finally:
-        log.handlers = kept
+        log.handlers = before
 
 
 def _read(arguments: tuple[str, ...]) -> Iterator[str]:
-    """Values and words that may be names of files, those of own inks' tables among them."""
+    """Yield values and words that may be file names, the tables of own inks among them."""
     for word in arguments:
         option, _, value = word.partition("=")
         if option in _INKS:
@@ -190,8 +190,8 @@ def _read(arguments: tuple[str, ...]) -> Iterator[str]:
 def fingerprint(row: Row, folder: str | None = None) -> str:
     """Return what a row's result depends on: its words, the files it names, and the version.
 
-    Files are counted from `folder`, by default the working one.
-    Files are told apart by their size and the time of their last change.
+    Relative paths start from `folder`, by default the working one. Files are distinguished by their
+    size and the time of their last change.
     """
     folder = os.getcwd() if folder is None else folder
     files = []
@@ -199,8 +199,8 @@ def fingerprint(row: Row, folder: str | None = None) -> str:
         path = Path(folder, word)
         try:
             if word not in ("", row.output) and path.exists():
-                known = path.stat()
-                files.append((word, known.st_size, known.st_mtime_ns))
+                status = path.stat()
+                files.append((word, status.st_size, status.st_mtime_ns))
         except (OSError, ValueError):
             continue  # a text is seldom a file name
     what = [row.arguments, files, find_versions()["paint3d"], folder]

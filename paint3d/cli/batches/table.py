@@ -85,14 +85,14 @@ def read_table(path: Path, group: str | None = None) -> tuple[list[Row], list[Ou
     if group is not None:
         check_columns(f"{path}:1", header, {*OWN, group, *OF_OBJECTS, *piece_columns()})
         _check_has(path, header, (*OWN, group), PIECES)
-        found: Iterator[tuple[int, Callable[[], Row]]] = _grouped(header, records, group)
+        makers: Iterator[tuple[int, Callable[[], Row]]] = _grouped(header, records, group)
     else:
         options = {name for command in COMMANDS for name in _options(command)}
         check_columns(f"{path}:1", header, {*OWN, *SUBJECTS, *options})
         _check_has(path, header, tuple(OWN), tuple(SUBJECTS))
-        found = ((line, partial(_row, header, cells, line)) for line, cells in records)
+        makers = ((line, partial(_row, header, cells, line)) for line, cells in records)
     rows, refused, lines = list[Row](), list[Outcome](), dict[str, int]()
-    for line, make in found:
+    for line, make in makers:
         try:
             row = make()
             if row.output in lines:
@@ -204,18 +204,18 @@ def option_words(command: str, cells: Mapping[str, str]) -> list[str]:
 def _grouped(
     header: list[str], records: list[tuple[int, list[str]]], group: str
 ) -> Iterator[tuple[int, Callable[[], Row]]]:
-    """Yield the first line of each group, and what makes its row."""
+    """Yield the first line of each group, and a function that makes its row."""
     groups: dict[str, list[tuple[int, list[str]]]] = {}
     column = header.index(group)
     for line, cells in records:
         key = cells[column].strip() if len(cells) > column else ""
         groups.setdefault(key, []).append((line, cells))
     for pieces in groups.values():
-        yield pieces[0][0], partial(_composed, header, pieces, group)
+        yield pieces[0][0], partial(_compose_row, header, pieces, group)
 
 
-def _composed(header: list[str], pieces: list[tuple[int, list[str]]], group: str) -> Row:
-    """The row of a painting of several pieces."""
+def _compose_row(header: list[str], pieces: list[tuple[int, list[str]]], group: str) -> Row:
+    """Return the row of a painting of several pieces."""
     shared: dict[str, str] = {}
     words = []
     own = (*OWN, *OF_OBJECTS)

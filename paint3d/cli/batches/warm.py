@@ -1,4 +1,4 @@
-"""What painting a row needs, imported once, by the server that a batch's processes are forked from.
+"""Imports of painting a row, once, in the server that a batch's processes are forked from.
 
 Importing takes a second, forking ten milliseconds. Nothing here starts a thread: a fork copies only
 the thread that forks. An interrupt meant for the batch is kept from the server until here; where
@@ -28,7 +28,7 @@ _NEEDED = (
 
 
 def _tell(kind: type[BaseException], error: BaseException, where: TracebackType | None) -> None:
-    """Tell what failed, but not that a process was half asked for: the batch has ended."""
+    """Print an error, but not that of a half-received request: the batch has ended."""
     if not issubclass(kind, EOFError):
         sys.__excepthook__(kind, error, where)
 

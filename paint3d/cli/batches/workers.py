@@ -27,7 +27,7 @@ _WARM = "paint3d.cli.batches.warm"
 def run_here(
     rows: Sequence[Row], processes: int, retries: int = 0, *, quiet: bool = False
 ) -> Iterator[Outcome]:
-    """Run rows in so many processes; yield each outcome as it comes. Quiet ones tell no notes.
+    """Run rows in so many processes; yield each outcome as it comes. Quiet ones print no notes.
 
     Where a process dies another takes its place, and the row it was at is tried again after the
     others, so many times.
@@ -59,14 +59,14 @@ def run_here(
 
 
 def _context() -> SpawnContext | ForkServerContext:
-    """How processes come to be: forked from one that has imported all, where that is safe."""
+    """Return the context of processes: forked from one that has imported all, if that is safe."""
     if not sys.platform.startswith("linux"):  # elsewhere system libraries do not survive a fork
         return multiprocessing.get_context("spawn")
     from multiprocessing import forkserver
 
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload([_WARM])
-    with holding_interrupts(), blocking_interrupts():  # or it tells of one while it imports
+    with holding_interrupts(), blocking_interrupts():  # or the server prints one while it imports
         forkserver.ensure_running()
     return context
 
@@ -86,7 +86,7 @@ class _Worker:
             context = _context()
             self.connection, theirs = context.Pipe()
             process = context.Process(target=_serve, args=(theirs, self._quiet), daemon=False)
-            process.start()  # which waits until the server has imported all: it can be ended
+            process.start()  # returns once the server has imported all, and can be ended
             self._process = process
             theirs.close()
         self.row = row

@@ -1,1 +1,1 @@
-"""What there is to paint with: lists that commands print."""
+"""Commands that list brushes, inks, materials and fonts."""

@@ -92,14 +92,18 @@ def run(options: argparse.Namespace) -> None:
     Paint3DError
         If the brush cannot be used, or a picture cannot be written.
     """
+    from paint3d.brush.presets import brush_note, load_presets
+
     if options.action == "show":
-        _show(options.brush)
+        from paint3d.brush.presets import brush_text, load_brush
+
+        brush = load_brush(options.brush)
+        sys.stdout.write(brush_text(brush, brush_note(brush.name)))
         return
     if options.action == "fit":
         _fit(options)
         return
     from paint3d.app.model.persistence.own_brushes import own_brush_path, own_brushes
-    from paint3d.brush.presets import brush_note, load_presets
 
     presets = load_presets()
     if options.pictures is not None:
@@ -113,15 +117,8 @@ def run(options: argparse.Namespace) -> None:
         sys.stderr.writelines(f"paint3d: note: {problem}\n" for problem in problems)
 
 
-def _show(name: str) -> None:
-    from paint3d.brush.presets import brush_note, brush_text, load_brush
-
-    brush = load_brush(name)
-    sys.stdout.write(brush_text(brush, brush_note(brush.name)))
-
-
 def _fit(options: argparse.Namespace) -> None:
-    """Write the brush that fits what was measured, and say how well."""
+    """Write the brush that fits a table of measurements, and print how well."""
     import dataclasses
 
     from paint3d.app.model.brush_in_hand import resized
@@ -161,24 +158,24 @@ def _fit(options: argparse.Namespace) -> None:
             base, name=name, bristles=dataclasses.replace(hairs, table=rows)
         )
         angles = sorted({row[0] for row in rows})
-        told = f"{len(rows)} bent hairs at {', '.join(f'{a:g}' for a in angles)} degrees"
+        quality = f"{len(rows)} bent hairs at {', '.join(f'{a:g}' for a in angles)} degrees"
     else:
         presses = read_presses(options.table)
         if options.hairs is not None:
             base = dataclasses.replace(base, bristles=_hairs(base, options.hairs))
         with ProgressBar("fitting", enabled=not options.quiet) as progress:
             brush = fit_presses(presses, base, name, progress)
-        told = "off by (RMS): width {:.2f}, heel {:.2f}, length {:.2f} mm".format(
+        quality = "off by (RMS): width {:.2f}, heel {:.2f}, length {:.2f} mm".format(
             *press_errors(brush, presses)
         )
-    note = f"fitted to {options.table.name}: {told}"
+    note = f"fitted to {options.table.name}: {quality}"
     write_brush(options.out, brush, load_presets(), note)
     if not options.quiet:
-        sys.stdout.write(f"{options.out}: {told}\n")
+        sys.stdout.write(f"{options.out}: {quality}\n")
 
 
 def _hairs(base: BrushSpec, count: int | None) -> BristleSpec:
-    """The base's hairs, or as many as are wanted."""
+    """Return the base's hairs, in another number if one is given."""
     import dataclasses
 
     from paint3d.brush.spec import BristleSpec
@@ -190,13 +187,13 @@ def _hairs(base: BrushSpec, count: int | None) -> BristleSpec:
 def brush_lines(
     brushes: Iterable[BrushSpec], notes: dict[str, str], columns: int | None = None
 ) -> list[str]:
-    """Lines of a table of brushes: a head, then one brush a line, lengths in mm.
+    """Return a table of brushes: a head, then one brush a line, lengths in mm.
 
     Parameters
     ----------
     brushes : iterable of BrushSpec
     notes : dict
-        What each is for, by name.
+        Purposes by name.
     columns : int, optional
         How wide it may be; see `table_lines`.
     """

@@ -15,30 +15,30 @@ _LEAST_TEXT = 24  # columns that a text is wrapped to, at least
 
 
 def hexadecimal(srgb: Iterable[int]) -> str:
-    """An sRGB colour as #rrggbb."""
+    """Format an sRGB colour as #rrggbb."""
     red, green, blue = (int(code) for code in srgb)
     return f"#{red:02x}{green:02x}{blue:02x}"
 
 
 def swatch_cell(swatch: str, colour: bool) -> str:
-    """The cell of a colour #rrggbb, or of its column's head, with room for a block of it."""
+    """Return the cell of a colour #rrggbb, or of its column's head, with room for a block of it."""
     return f"   {swatch}" if colour else swatch
 
 
 def terminal_columns() -> int | None:
-    """How wide the terminal is that stdout goes to; None where it goes to a file or a pipe."""
+    """Return the width of the terminal of stdout; None for a file or a pipe."""
     return shutil.get_terminal_size((100, 24)).columns if sys.stdout.isatty() else None
 
 
 def columns_of(text: str) -> int:
-    """Columns that a text takes on a terminal: Chinese characters take two."""
+    """Return the columns of a text on a terminal: Chinese characters take two."""
     return sum(2 if unicodedata.east_asian_width(c) in "WF" else 1 for c in text)
 
 
 def table_lines(
     rows: Sequence[Sequence[str]], columns: int | None = None, colour: bool = False
 ) -> list[str]:
-    """Lines of a table.
+    """Return the lines of a table.
 
     Parameters
     ----------
@@ -66,7 +66,7 @@ def table_lines(
 
 
 def _row_lines(cells: list[str], widths: list[int], columns: int | None) -> list[str]:
-    """A row, its last cell wrapped to what room there is."""
+    """Return a row, its last cell wrapped to the columns left."""
     before = "  ".join(
         cell + " " * (width - columns_of(cell))
         for cell, width in zip(cells[:-1], widths, strict=False)
@@ -82,6 +82,6 @@ def _row_lines(cells: list[str], widths: list[int], columns: int | None) -> list
     return [f"{before}  {texts[0]}", *(" " * indent + text for text in texts[1:])]
 
 
-def _coloured(found: re.Match[str]) -> str:
-    red, green, blue = (int(found[1][i : i + 2], 16) for i in (1, 3, 5))
-    return f"\x1b[48;2;{red};{green};{blue}m  \x1b[0m {found[1]}"
+def _coloured(match: re.Match[str]) -> str:
+    red, green, blue = (int(match[1][i : i + 2], 16) for i in (1, 3, 5))
+    return f"\x1b[48;2;{red};{green};{blue}m  \x1b[0m {match[1]}"

@@ -130,14 +130,14 @@ def run(options: argparse.Namespace) -> None:
 
         sys.stderr.write(f"{forget_ink(options.forget)}: has no {options.forget} any more\n")
     elif options.nearest is not None:
-        _keep(options.keep, _tell_nearest(options.nearest, options.wash, options.material))
+        _keep(options.keep, _print_nearest(options.nearest, options.wash, options.material))
     else:
         _list(options.table, options.ink)
         _keep(options.keep, options.ink)
 
 
 def _list(table: Path | None, ink: str | None) -> None:
-    """Write what there is, what a table has, or one ink alone."""
+    """Print all inks, those of a table, or one alone."""
     from paint3d.colour.inks import kept_inks
     from paint3d.colour.pigments import load_palette, load_pigments_csv
 
@@ -174,19 +174,19 @@ def _parse_colour(text: str) -> tuple[int, ...]:
     return tuple(bytes.fromhex(text.lstrip("#")))
 
 
-def _tell_nearest(srgb: tuple[int, ...], wash: tuple[int, ...] | None, material: str) -> str:
-    """Write the mixture to stdout, so that a shell can hand it on, and how near it comes after."""
+def _print_nearest(srgb: tuple[int, ...], wash: tuple[int, ...] | None, material: str) -> str:
+    """Print the mixture to stdout, for a shell to pass on, and its difference to stderr."""
     from paint3d.colour.inks import describe_ink
     from paint3d.colour.materials import load_material
     from paint3d.colour.nearest_mixture import nearest_mixture
 
-    found = nearest_mixture(srgb, load_material(material).reflectance, wash=wash)
-    ink = describe_ink(found.parts)
+    nearest = nearest_mixture(srgb, load_material(material).reflectance, wash=wash)
+    ink = describe_ink(nearest.parts)
     sys.stdout.write(ink + "\n")
     sys.stdout.flush()
-    films = [("coat", found.srgb, found.difference, srgb)]
-    if wash is not None and found.wash_difference is not None:
-        films.append(("wash", found.wash_srgb, found.wash_difference, wash))
+    films = [("coat", nearest.srgb, nearest.difference, srgb)]
+    if wash is not None and nearest.wash_difference is not None:
+        films.append(("wash", nearest.wash_srgb, nearest.wash_difference, wash))
     for film, own, off, wanted in films:
         sys.stderr.write(
             f"a {film} of it on {material} is {hexadecimal(own)}, {off:.2g} dE00 from "
@@ -196,7 +196,7 @@ def _tell_nearest(srgb: tuple[int, ...], wash: tuple[int, ...] | None, material:
 
 
 def comparison_table(options: argparse.Namespace) -> list[str]:
-    """Lines of CSV: a head, then one light a line, with colours, dE00 and metamerism index."""
+    """Return CSV: a head, then one light a line, with colours, dE00 and metamerism index."""
     from paint3d.colour.difference import COMPARED, compare_spectra
     from paint3d.colour.materials import load_material
     from paint3d.core.arrays import as_number
@@ -213,7 +213,7 @@ def comparison_table(options: argparse.Namespace) -> list[str]:
 
 
 def _film(ink: str, coats: float, ground: AnyArray) -> AnyArray:
-    """Reflectance (31,) of a film of an ink in words."""
+    """Return the reflectance (31,) of a film of an ink, given as text."""
     from paint3d.colour.inks import load_ink
     from paint3d.colour.layers import mixture_reflectance
 
@@ -232,7 +232,7 @@ def swatches_table(
     columns: int | None = None,
     mixtures: Mapping[str, str] = MappingProxyType({}),
 ) -> list[str]:
-    """Lines of a table of pigments: a head, then one pigment a line.
+    """Return a table of pigments: a head, then one pigment a line.
 
     Parameters
     ----------
@@ -273,7 +273,7 @@ def swatches_table(
 
 
 def _swatch(ink: Mapping[Pigment, float], coats: float) -> str:
-    """Colour as #rrggbb of so many coats on porcelain."""
+    """Return the colour of so many coats on porcelain, as #rrggbb."""
     from paint3d.colour.layers import mixture_reflectance
     from paint3d.colour.materials import load_material
     from paint3d.colour.spectra import srgb_from_reflectance

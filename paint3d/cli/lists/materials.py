@@ -64,7 +64,7 @@ def run(options: argparse.Namespace) -> None:
 def material_lines(
     materials: Iterable[Material], colour: bool = False, columns: int | None = None
 ) -> list[str]:
-    """Lines of a table of materials: a head, then one a line; lengths in mm, drying in mm/s.
+    """Return a table of materials: a head, then one a line; lengths in mm, drying in mm/s.
 
     Parameters
     ----------

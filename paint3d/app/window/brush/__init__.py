@@ -1,1 +1,1 @@
-"""Brushes: the panel, the editor, files of one's own."""
+"""Brushes: the panel, the editor, the user's files."""

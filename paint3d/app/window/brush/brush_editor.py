@@ -77,7 +77,7 @@ class Drawn(NamedTuple):
 
 
 class BrushDrawing(QtCore.QObject):
-    """One thread that draws; what was asked for while it was busy is drawn when it has time.
+    """A thread that draws; of requests made while it is busy, only the newest is drawn.
 
     Parameters
     ----------
@@ -102,11 +102,11 @@ class BrushDrawing(QtCore.QObject):
 
     @property
     def is_busy(self) -> bool:
-        """Whether something is still to be drawn."""
+        """True if something is still to be drawn."""
         return self._next is not None or self._coming is not None
 
     def ask(self, brush: BrushSpec, ink: Ink) -> None:
-        """Draw this brush instead of any that waits."""
+        """Draw this brush, instead of any that waits."""
         self._next = brush, ink
         self._look()
         self._timer.start()
@@ -135,7 +135,7 @@ def _draw(brush: BrushSpec, ink: Ink, side: int, columns: int) -> Drawn:
         parts: Any = dict(sorted_parts(ink))
         footprints = draw_footprints(brush, side, PRESSES)
         return Drawn(brush, footprints, draw_stroke(brush, parts, columns=columns), None)
-    except Exception as error:  # told in the window: what went wrong in a thread nobody sees
+    except Exception as error:  # shown in the window: nobody sees a thread's fault
         return Drawn(brush, None, None, error)
 
 
@@ -165,18 +165,18 @@ class FactorCurve(QtWidgets.QWidget):
         self.theme = theme
         self.points: Points = ()
         self._low, self._high, self._unit = 0.0, 1.0, ""
-        self._held = -1
+        self._dragged = -1
         self.setMinimumSize(250, 150)
         self.setToolTip(say("Drag points; click to add one, right-click to remove one"))
 
     def show_points(self, points: Points, low: float, high: float, unit: str) -> None:
-        """Show other points, over inputs from low to high, and tell nothing."""
+        """Show other points, over inputs from low to high, without emitting a signal."""
         self.points, self._low, self._high, self._unit = points, low, high, unit
-        self._held = self._held if self._held < len(points) else -1
+        self._dragged = self._dragged if self._dragged < len(points) else -1
         self.update()
 
     def place(self, x: float, y: float) -> QtCore.QPointF:
-        """Where an input and a factor lie in the widget."""
+        """Return the position of an input and a factor in the widget."""
         area = QtCore.QRectF(self.rect()).marginsRemoved(_MARGIN)
         along = (x - self._low) / (self._high - self._low)
         up = math.log(y / _LEAST) / math.log(_MOST / _LEAST)
@@ -185,10 +185,10 @@ class FactorCurve(QtWidgets.QWidget):
             area.bottom() - min(max(up, 0.0), 1.0) * area.height(),
         )
 
-    def _value(self, place: QtCore.QPointF) -> tuple[float, float]:
+    def _value(self, position: QtCore.QPointF) -> tuple[float, float]:
         area = QtCore.QRectF(self.rect()).marginsRemoved(_MARGIN)
-        along = min(max((place.x() - area.left()) / area.width(), 0.0), 1.0)
-        up = min(max((area.bottom() - place.y()) / area.height(), 0.0), 1.0)
+        along = min(max((position.x() - area.left()) / area.width(), 0.0), 1.0)
+        up = min(max((area.bottom() - position.y()) / area.height(), 0.0), 1.0)
         x = self._low + along * (self._high - self._low)
         return float(f"{x:.3g}"), float(f"{_LEAST * (_MOST / _LEAST) ** up:.3g}")
 
@@ -219,48 +219,48 @@ class FactorCurve(QtWidgets.QWidget):
         painter.end()
 
     def _draw_curve(self, painter: QtGui.QPainter, area: QtCore.QRectF) -> None:
-        places = [self.place(x, y) for x, y in self.points]
+        points = [self.place(x, y) for x, y in self.points]
         ends = (
-            QtCore.QPointF(area.left(), places[0].y()), QtCore.QPointF(area.right(), places[-1].y())
+            QtCore.QPointF(area.left(), points[0].y()), QtCore.QPointF(area.right(), points[-1].y())
         )  # fmt: skip
         painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
         painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.accent), 2.2))
-        painter.drawPolyline([ends[0], *places, ends[1]])
+        painter.drawPolyline([ends[0], *points, ends[1]])
         painter.setBrush(QtGui.QColor(self.theme.raised))
-        for place in places:
-            painter.drawEllipse(place, _GRIP, _GRIP)
+        for point in points:
+            painter.drawEllipse(point, _GRIP, _GRIP)
 
-    def _point_at(self, place: QtCore.QPointF) -> int:
+    def _point_at(self, position: QtCore.QPointF) -> int:
         near = [
-            ((self.place(*point) - place).manhattanLength(), k)
+            ((self.place(*point) - position).manhattanLength(), k)
             for k, point in enumerate(self.points)
         ]
         distance, k = min(near, default=(math.inf, -1))
         return k if distance < _NEAR else -1
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Hold a point, make one, or take one away."""
+        """Begin to drag a point, add one, or remove one."""
         left = QtCore.Qt.MouseButton.LeftButton
         if event.button() != left and event.buttons() & left:
-            return  # beside the button that holds one
-        place = event.position()
-        at = self._point_at(place)
+            return  # beside the button that drags one
+        position = event.position()
+        at = self._point_at(position)
         if event.button() == QtCore.Qt.MouseButton.RightButton:
             if at >= 0:
                 self._change_points(self.points[:at] + self.points[at + 1 :])
             return
         if at < 0 and len(self.points) < MOST_POINTS:
-            x, y = self._value(place)
+            x, y = self._value(position)
             at = sum(point[0] < x for point in self.points)
             if self._fits(x, at, at):
                 self._change_points((*self.points[:at], (x, y), *self.points[at:]))
             else:
                 at = -1
-        self._held = at
+        self._dragged = at
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Drag the point that is held, between its neighbours."""
-        at = self._held
+        """Drag the point that was pressed, between its neighbours."""
+        at = self._dragged
         if at < 0:
             return
         x, y = self._value(event.position())
@@ -268,12 +268,12 @@ class FactorCurve(QtWidgets.QWidget):
         self._change_points((*self.points[:at], (x, y), *self.points[at + 1 :]))
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Let go of it with the button that holds it."""
+        """End the drag with the button that began it."""
         if not event.buttons() & QtCore.Qt.MouseButton.LeftButton:
-            self._held = -1
+            self._dragged = -1
 
     def _fits(self, x: float, at: int, after: int) -> bool:
-        """Whether an input lies between the points before a place and from another on."""
+        """Return whether an input lies between point `at` - 1 and point `after`, with a gap."""
         apart = _APART * (self._high - self._low)
         before = self.points[at - 1][0] if at > 0 else -math.inf
         behind = self.points[after][0] if after < len(self.points) else math.inf
@@ -286,7 +286,7 @@ class FactorCurve(QtWidgets.QWidget):
 
 
 # ---- Numbers -------------------------------------------------------------------------------------
-# A number to be chosen: what it is, a slider, a box with its unit, and between what it may lie.
+# A number to be chosen: its name, a slider, a box with its unit, and its range.
 
 
 _STEPS = 1000
@@ -295,16 +295,16 @@ _DIGITS = 3  # significant, of the narrower end of a range
 
 
 class NumberRow(QtCore.QObject):
-    """One row of a grid.
+    """A row of a grid to choose a number: label, slider, box and range.
 
     Parameters
     ----------
     grid : QGridLayout
-        Where it is put, below what is there.
+        The row is added below those that are there.
     name : str
-        Which number; said with a change.
+        Name of the number, emitted with a change.
     label : (str, str)
-        What it is called, and what its tool tip says.
+        The label, and the tool tip.
     unit : str
     whole : bool
         Whether only whole numbers can be chosen.
@@ -354,7 +354,7 @@ class NumberRow(QtCore.QObject):
         self.box.valueChanged.connect(self._typed)
 
     def show_value(self, value: float, low: float, high: float) -> None:
-        """Show a value and between what it may lie, and tell nothing."""
+        """Show a value and its range, without emitting a signal."""
         self._low, self._high, self._shown = low, high, value
         digits = 0 if self._whole else _digits_for(low, high, self._even)
         with QtCore.QSignalBlocker(self.slider), QtCore.QSignalBlocker(self.box):
@@ -362,47 +362,45 @@ class NumberRow(QtCore.QObject):
             self.box.setRange(low, high)
             self.box.setSingleStep(1.0 if self._whole else 10.0 ** (1 - digits))
             self.box.setValue(value)
-            self.slider.setValue(round(_STEPS * self._share(value)))
+            if self._even:
+                fraction = (value - low) / (high - low)
+            else:
+                fraction = math.log(value / low) / math.log(high / low)
+            self.slider.setValue(round(_STEPS * fraction))
         self.range.setText(f"{_format_limit(low)} – {_format_limit(high)}")
 
     def enable(self, on: bool) -> None:
-        """Let it be chosen, or not."""
+        """Enable or disable the row."""
         for widget in (self.label, self.slider, self.box, self.range):
             widget.setEnabled(on)
-
-    def _share(self, value: float) -> float:
-        low, high = self._low, self._high
-        if self._even:
-            return (value - low) / (high - low)
-        return math.log(value / low) / math.log(high / low)
 
     def _slid(self, step: int) -> None:
         fraction = step / _STEPS
         low, high = self._low, self._high
         value = low + fraction * (high - low) if self._even else low * (high / low) ** fraction
-        self._say(min(max(float(f"{value:.4g}"), low), high))
+        self._choose(min(max(float(f"{value:.4g}"), low), high))
 
     def _typed(self, value: float) -> None:
-        self._say(min(max(value, self._low), self._high))
+        self._choose(min(max(value, self._low), self._high))
 
-    def _say(self, value: float) -> None:
+    def _choose(self, value: float) -> None:
         value = float(round(value)) if self._whole else value
         if value != self._shown:
             self.changed.emit(self.name, value)
 
 
 class _PlainBox(QtWidgets.QDoubleSpinBox):
-    """Shows no zeros behind the last digit that says something."""
+    """A box that shows no trailing zeros."""
 
     def textFromValue(self, value: float) -> str:
-        """The number as it is shown."""
+        """Format the number."""
         text = super().textFromValue(value)
         point = self.locale().decimalPoint()
         return text.rstrip("0").removesuffix(point) if point in text else text
 
 
 def _format_limit(number: float) -> str:
-    """An end of a range: three digits; powers of ten below a thousandth and from a million on."""
+    """Format an end of a range: three digits; powers of ten below 0.001 and from a million on."""
     if number != 0.0 and not 1e-3 <= abs(number) < 1e6:
         digits, power = f"{number:.2e}".split("e")
         digits = digits.rstrip("0").rstrip(".")
@@ -411,13 +409,13 @@ def _format_limit(number: float) -> str:
 
 
 def _digits_for(low: float, high: float, even: bool) -> int:
-    """How many decimals tell values of a range apart."""
+    """Return the number of decimals that tell values of a range apart."""
     span = high - low if even else low
     return min(max(_DIGITS - 1 - math.floor(math.log10(max(span, 1e-9))), 0), 7)
 
 
 # ---- Drafts --------------------------------------------------------------------------------------
-# A brush while its parameters are turned: one change at a time, each within its range.
+# A brush while its parameters are changed, one at a time, each within its range.
 
 
 INPUT_RANGES = {
@@ -427,7 +425,7 @@ INPUT_RANGES = {
     "ink_left": (0.0, 1.0),
     "curvature": (0.0, 0.5),
 }
-"""Between what a hand's inputs lie mostly: shares, degrees, mm/s, 1/mm (`brush.spec`)."""
+"""Usual ranges of a hand's inputs: fractions, degrees, mm/s, 1/mm (`brush.spec`)."""
 
 Points = tuple[tuple[float, float], ...]
 
@@ -437,13 +435,13 @@ def _of_hairs(parameter: str) -> bool:
 
 
 def value_of(brush: BrushSpec, parameter: str) -> float:
-    """A number of a brush or of its hairs; those that a solid tuft would have, where it is one."""
+    """Return a number of a brush or of its hairs; a solid tuft gives the usual hairs'."""
     owner = (brush.bristles or BristleSpec()) if _of_hairs(parameter) else brush
     return float(getattr(owner, parameter))
 
 
 def range_of(brush: BrushSpec, parameter: str) -> tuple[float, float]:
-    """Least and greatest value of a number, for a tuft as long as this."""
+    """Return the least and greatest value of a number, for a tuft of this length."""
     if _of_hairs(parameter):
         return hair_ranges()[parameter]
     if parameter == "length_mm":
@@ -452,7 +450,7 @@ def range_of(brush: BrushSpec, parameter: str) -> tuple[float, float]:
 
 
 def changed(brush: BrushSpec, parameter: str, value: Any) -> BrushSpec:
-    """The brush with another value; with another length, all that is a length goes along.
+    """Return the brush with another value; with another length, all lengths are scaled.
 
     Raises
     ------
@@ -468,27 +466,27 @@ def changed(brush: BrushSpec, parameter: str, value: Any) -> BrushSpec:
 
 
 def with_hairs(brush: BrushSpec, hairs: BristleSpec | None) -> BrushSpec:
-    """The brush with these single hairs; None: a solid tuft."""
+    """Return the brush with these single hairs; None: a solid tuft."""
     return dataclasses.replace(brush, bristles=hairs)
 
 
 def points_of(brush: BrushSpec, setting: str, name: str) -> Points:
-    """The points (input, factor) by which an input drives a setting; empty where it does not."""
+    """Return the points (input, factor) by which an input drives a setting; empty for none."""
     return dict(dict(brush.inputs).get(setting, ())).get(name, ())
 
 
 def with_curve(brush: BrushSpec, setting: str, name: str, points: Points) -> BrushSpec:
-    """The brush with another such curve; without points the input drives nothing.
+    """Return the brush with another such curve; without points the input drives nothing.
 
     Raises
     ------
     BrushError
-        If they are no curve.
+        If the points are no curve.
     """
     curves = {s: {i: points_of(brush, s, i) for i in INPUTS} for s in SETTINGS}
     curves[setting][name] = points
-    kept = {s: {i: p for i, p in by_input.items() if p} for s, by_input in curves.items()}
-    inputs: Any = {s: by_input for s, by_input in kept.items() if by_input}
+    by_setting = {s: {i: p for i, p in by_input.items() if p} for s, by_input in curves.items()}
+    inputs: Any = {s: by_input for s, by_input in by_setting.items() if by_input}
     return dataclasses.replace(brush, inputs=inputs)
 
 
@@ -497,7 +495,7 @@ def with_curve(brush: BrushSpec, setting: str, name: str, points: Points) -> Bru
 
 _SIDE, _COLUMNS = 208, 440  # pixels of the pictures
 _SHARPER = 2  # times as many are drawn
-_EVEN, _RATIO, _WHOLE, _COUNT = range(4)  # how a slider goes
+_EVEN, _RATIO, _WHOLE, _COUNT = range(4)  # scales of a slider
 
 TUFT = (
     ("length_mm", Message("Length L"), "mm", _RATIO),
@@ -563,7 +561,7 @@ class BrushEditor(QtWidgets.QDialog):
     parent : QWidget
     theme : Theme
     brush : BrushSpec
-        What it begins with.
+        The brush to begin with.
     ink : Ink
         Of the stroke that is shown.
 
@@ -572,7 +570,7 @@ class BrushEditor(QtWidgets.QDialog):
     taken : BrushSpec
         To be painted with.
     kept : BrushSpec
-        To be kept as one's own.
+        To be saved as the user's own.
     """
 
     taken = QtCore.Signal(object)
@@ -601,7 +599,7 @@ class BrushEditor(QtWidgets.QDialog):
         whole.addLayout(self._make_foot())
         self._show()
 
-    # -- making it --------------------------------------------------------------------------
+    # -- layout -----------------------------------------------------------------------------
 
     def _page(self, rows: Rows, *above: QtWidgets.QWidget) -> QtWidgets.QWidget:
         page = QtWidgets.QWidget()
@@ -612,8 +610,8 @@ class BrushEditor(QtWidgets.QDialog):
         grid.setColumnStretch(1, 1)
         column.addLayout(grid)
         column.addStretch(1)
-        for name, label, unit, way in rows:
-            whole, even = way in (_WHOLE, _COUNT), way in (_EVEN, _WHOLE)
+        for name, label, unit, scale in rows:
+            whole, even = scale in (_WHOLE, _COUNT), scale in (_EVEN, _WHOLE)
             row = NumberRow(
                 grid, name, (label, say(meaning_of(name))), unit, whole=whole, even=even
             )
@@ -681,7 +679,8 @@ class BrushEditor(QtWidgets.QDialog):
         self.message_label.setWordWrap(True)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Name")))
-        self.name_box = QtWidgets.QLineEdit(self._first_name())
+        name = plain_name(self.brush)
+        self.name_box = QtWidgets.QLineEdit(f"my {name}" if name in brush_names() else name)
         self.name_box.setMaxLength(60)
         self.name_box.textChanged.connect(lambda _: self.message_label.clear())
         row.addWidget(self.name_box, 1)
@@ -703,10 +702,6 @@ class BrushEditor(QtWidgets.QDialog):
         button.setAutoDefault(False)
         return button
 
-    def _first_name(self) -> str:
-        name = plain_name(self.brush)
-        return f"my {name}" if name in brush_names() else name
-
     # -- changing ---------------------------------------------------------------------------
 
     def _change(self, parameter: str, value: object) -> None:
@@ -722,7 +717,7 @@ class BrushEditor(QtWidgets.QDialog):
         self._try(lambda brush: with_hairs(brush, self._hairs if on else None))
 
     def _try(self, change: Callable[[BrushSpec], BrushSpec]) -> None:
-        """Change the brush, or tell why not."""
+        """Change the brush, or show why not."""
         try:
             self.brush = change(self.brush)
             self.message_label.clear()
@@ -734,7 +729,7 @@ class BrushEditor(QtWidgets.QDialog):
         self._try(lambda _: self.begun)
 
     def _give(self, signal: QtCore.SignalInstance) -> None:
-        """Hand the brush on under its name, or tell why it cannot be called so."""
+        """Emit the brush under its name, or show why it cannot have that name."""
         name = self.name_box.text().strip()
         try:
             check_brush_name(name)
@@ -747,7 +742,7 @@ class BrushEditor(QtWidgets.QDialog):
         signal.emit(dataclasses.replace(self.brush, name=name))
 
     def show_message(self, what: str | Paint3DError) -> None:
-        """Say how it went."""
+        """Show a message."""
         self.message_label.setText(what if isinstance(what, str) else say_error(what))
 
     # -- showing ----------------------------------------------------------------------------

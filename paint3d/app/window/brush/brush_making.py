@@ -1,4 +1,4 @@
-"""Brushes of one's own in the studio: the editor, files, and the list of those that are kept."""
+"""The user's own brushes: the editor, files, and the list of those that are saved."""
 
 from __future__ import annotations
 
@@ -39,10 +39,10 @@ class BrushMaking:
         panels.brushes.filed.connect(
             lambda folders: workspace.update_settings(brush_folders=folders)
         )
-        self._list()
+        self._load_own()
 
-    def _list(self) -> None:
-        """List the brushes that are kept; what cannot be used is told."""
+    def _load_own(self) -> None:
+        """List the saved brushes; show the first problem with them."""
         own, problems = own_brushes()
         self._panels.brushes.show_own(own)
         self._panels.brushes.show_favourites(self._workspace.settings.favourite_brushes)
@@ -106,7 +106,7 @@ class BrushMaking:
             self.open_file(path)
 
     def open_file(self, path: str | Path) -> bool:
-        """Paint with the brush of a file; what is wrong with it is told in one line."""
+        """Paint with the brush of a file; show a fault; return whether that succeeded."""
         try:
             brush = read_brush(path, load_presets())
         except Paint3DError as error:

@@ -32,13 +32,13 @@ __all__ = ["BrushPanel", "pixmap_of", "plain_icon", "plain_name"]
 
 _ICON = QtCore.QSize(132, 42)
 _SHORTEST_MM, _LONGEST_MM = 5.0, 200.0  # the slider's ends
-_FAVOURITES = 0  # in the place of a folder's name
+_FAVOURITES = 0  # instead of a folder's name
 _SEEN_ROWS = 8  # of brushes, where there is room for them
 _SETTLE_MS = 160  # a new size is taken when the slider has stood so long
 
 
 def pixmap_of(pixels: AnyArray, size: QtCore.QSize | None = None) -> QtGui.QPixmap:
-    """A pixmap of (H, W, 3) uint8 pixels, the first row on top."""
+    """Return a pixmap of (H, W, 3) uint8 pixels, the first row on top."""
     height, width = pixels.shape[:2]
     data = np.ascontiguousarray(pixels)
     image = QtGui.QImage(data.data, width, height, 3 * width, QtGui.QImage.Format.Format_RGB888)
@@ -63,9 +63,9 @@ class BrushPanel(QtWidgets.QWidget):
     filed : dict of str to str
         Folders by the brushes that are in them from now on.
     failed : str
-        A preview could not be painted; told once for each reason.
+        A preview could not be painted; emitted once for each reason.
     inked : Ink
-        What strokes are shown in from now on.
+        The ink of the previews from now on.
     edit, open_file : ()
         The brush in hand is to be changed, or one is to be taken from a file.
     """
@@ -100,7 +100,7 @@ class BrushPanel(QtWidgets.QWidget):
         self._size.setRange(0, 1000)
         self._size.setAccessibleName(say("Tuft"))
         self.length_label = QtWidgets.QLabel()
-        self._keep_room()
+        self._reserve_width()
         self.length_label.setAlignment(QtCore.Qt.AlignmentFlag.AlignRight)
         row = QtWidgets.QHBoxLayout()
         row.addWidget(QtWidgets.QLabel(say("Tuft")))
@@ -125,7 +125,7 @@ class BrushPanel(QtWidgets.QWidget):
         self.set_ink(self._ink)
 
     def _make_list(self) -> QtWidgets.QListWidget:
-        view = QtWidgets.QListWidget(self)  # the panel's first: keys that step to it come here
+        view = QtWidgets.QListWidget(self)  # first child: keys that step to the panel reach it
         view.setObjectName("brushes")
         view.setAccessibleName(say("Brushes"))
         view.setIconSize(_ICON)
@@ -150,15 +150,15 @@ class BrushPanel(QtWidgets.QWidget):
             row.addWidget(button)
         return row
 
-    # -- brushes of one's own ---------------------------------------------------------------
+    # -- the user's own brushes --------------------------------------------------------------
 
     def show_own(self, brushes: Mapping[str, BrushSpec]) -> None:
-        """List brushes of one's own by name, behind those that come with the program."""
+        """List the user's own brushes by name, behind those that come with the program."""
         for brush in brushes.values():
             self.add_own(brush)
 
     def add_own(self, brush: BrushSpec) -> None:
-        """List one more; it takes the place of one of the same name."""
+        """List one more brush; it replaces one of the same name."""
         name = plain_name(brush)
         if name in brush_names():
             return
@@ -230,8 +230,8 @@ class BrushPanel(QtWidgets.QWidget):
         if done and folder.strip():
             self._file(name, folder.strip())
 
-    def _show_menu(self, place: QtCore.QPoint) -> None:
-        item = self._list.itemAt(place)
+    def _show_menu(self, position: QtCore.QPoint) -> None:
+        item = self._list.itemAt(position)
         if item is None:
             return
         name: str = item.data(QtCore.Qt.ItemDataRole.UserRole)
@@ -255,17 +255,17 @@ class BrushPanel(QtWidgets.QWidget):
         action = folders.addAction(say("New folder…"))
         action.setObjectName("new_folder")
         action.triggered.connect(lambda _=False: self._file_anew(name))
-        menu.popup(self._list.viewport().mapToGlobal(place))
+        menu.popup(self._list.viewport().mapToGlobal(position))
 
     def _favour(self, name: str, on: bool) -> None:
         rest = [one for one in self._favourites if one != name]
         self.show_favourites([*rest, name] if on else rest)
         self.favoured.emit(self._favourites)
 
-    # -- what is chosen ---------------------------------------------------------------------
+    # -- choice -----------------------------------------------------------------------------
 
     def show_brush(self, brush: BrushSpec) -> None:
-        """Show which brush is in use."""
+        """Show the brush in use."""
         self.brush = brush
         names = list(self._brushes)
         name = plain_name(brush)
@@ -276,15 +276,15 @@ class BrushPanel(QtWidgets.QWidget):
         self.length_label.setText(say_length(brush.length_mm))
 
     def show_unit(self) -> None:
-        """Tell lengths in the unit that is chosen now."""
+        """Show lengths in the chosen unit."""
         for row in range(self._list.count()):
             brush = self._brushes[self._name(row)]
             self._list.item(row).setText(_describe(brush, self._name(row) in self._favourites))
         self.length_label.setText(say_length(self._wanted))
-        self._keep_room()
+        self._reserve_width()
 
-    def _keep_room(self) -> None:
-        """Leave room for any length, so that the panel never grows, nor the picture moves."""
+    def _reserve_width(self) -> None:
+        """Reserve the width of any length, so that the panel never grows and the picture stays."""
         texts = [say_length(mm) for mm in (_SHORTEST_MM, 45.25, 88.88, _LONGEST_MM)]
         self.length_label.setMinimumWidth(max(map(self.fontMetrics().horizontalAdvance, texts)) + 2)
 
@@ -302,22 +302,22 @@ class BrushPanel(QtWidgets.QWidget):
 
     @property
     def is_busy(self) -> bool:
-        """Whether previews are still to be painted."""
+        """True if previews are still to be painted."""
         return self._is_due or bool(self._coming)
 
     @property
     def is_settling(self) -> bool:
-        """Whether a size has been chosen that is not yet taken."""
+        """True if a size has been chosen that is not yet taken."""
         return self._settle.isActive()
 
     def resize_brush(self, factor: float) -> None:
-        """Choose a brush so many times as large, soon."""
+        """Choose the brush larger by a factor, once the size has settled."""
         self._want(self._wanted * factor)
         with QtCore.QSignalBlocker(self._size):
             self._size.setValue(_step_of(self._wanted))
 
     def close_down(self) -> None:
-        """Paint no more previews; the one that is being painted is waited for by nobody."""
+        """Paint no more previews; do not wait for the one in work."""
         self._timer.stop()
         self._painter.shutdown(wait=False, cancel_futures=True)
 
@@ -326,7 +326,7 @@ class BrushPanel(QtWidgets.QWidget):
         return result
 
     def height_with_brushes(self) -> int:
-        """The height at which eight brushes are seen, or all there are."""
+        """Return the height at which eight brushes are seen, or all there are."""
         rows = min(_SEEN_ROWS, self._list.count()) * max(self._list.sizeHintForRow(0), 0)
         return self.sizeHint().height() - self._list.sizeHint().height() + rows
 
@@ -346,7 +346,7 @@ class BrushPanel(QtWidgets.QWidget):
         self.chosen.emit(resized(self.brush, self._wanted))
 
     def _take_previews(self) -> None:
-        """Begin what is due, unless the window waits for something itself; show what is there."""
+        """Begin due previews, unless the window waits for a job; show those that are done."""
         if self._is_due and not is_waiting(self.window()):
             self._is_due = False
             for row in range(self._list.count()):
@@ -370,7 +370,7 @@ class BrushPanel(QtWidgets.QWidget):
             self._timer.stop()
 
     def _failed(self, error: BaseException) -> None:
-        """Tell that a preview cannot be shown: a painting goes on without, so only once."""
+        """Emit that a preview cannot be shown, once for each reason: painting goes on without."""
         known = isinstance(error, Paint3DError)
         reason = say_error(error) if known else f"{type(error).__name__}: {error}"
         if reason not in self._failures:
@@ -379,7 +379,7 @@ class BrushPanel(QtWidgets.QWidget):
 
 
 def plain_name(brush: BrushSpec) -> str:
-    """Of the brush that it is a size of."""
+    """Return the name of the brush that this is a size of."""
     return brush.name.split(" @")[0]
 
 
@@ -402,33 +402,28 @@ def _list_item(brush: BrushSpec, favourite: bool = False) -> QtWidgets.QListWidg
             width=brush.root_diameter_mm,
         )
     )
-    item.setIcon(plain_icon(_blank()))  # rows are as high as they will be
+    blank = QtGui.QPixmap(_ICON * 2)  # until the stroke is painted: rows keep their height
+    blank.fill(QtCore.Qt.GlobalColor.transparent)
+    blank.setDevicePixelRatio(2.0)
+    item.setIcon(plain_icon(blank))
     return item
 
 
 def plain_icon(pixmap: QtGui.QPixmap) -> QtGui.QIcon:
-    """An icon that looks the same when it is chosen."""
+    """Return an icon that looks the same when it is chosen."""
     icon = QtGui.QIcon(pixmap)
     icon.addPixmap(pixmap, QtGui.QIcon.Mode.Selected)
     return icon
 
 
-def _blank() -> QtGui.QPixmap:
-    """What stands where a stroke has not been painted yet."""
-    pixmap = QtGui.QPixmap(_ICON * 2)
-    pixmap.fill(QtCore.Qt.GlobalColor.transparent)
-    pixmap.setDevicePixelRatio(2.0)
-    return pixmap
-
-
 def _step_of(length: float) -> int:
-    """Where the slider stands for a length."""
+    """Return the slider's value for a length."""
     result: int = round(1000 * np.log(length / _SHORTEST_MM) / np.log(_LONGEST_MM / _SHORTEST_MM))
     return result
 
 
 def _framed(pixels: AnyArray, theme: Theme) -> QtGui.QPixmap:
-    """The stroke as a slip of paper with rounded corners, twice as fine as it is shown."""
+    """Draw a stroke as a slip of paper with rounded corners, twice as fine as it is shown."""
     size = _ICON * 2
     whole = QtGui.QPixmap(size)
     whole.fill(QtCore.Qt.GlobalColor.transparent)

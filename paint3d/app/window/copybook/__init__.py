@@ -1,1 +1,1 @@
-"""Copybooks: the panel, ghosts on the object, strokes found in pictures."""
+"""Copybooks: the panel, ghosts on the object, strokes read from pictures."""

@@ -28,7 +28,7 @@ from paint3d.app.window.copybook.strokes_dialog import (
     Photographed,
     StrokesDialog,
 )
-from paint3d.app.window.copybook.text_moving import HeldText, TextMover
+from paint3d.app.window.copybook.text_moving import ChosenText, TextMover
 from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.seal import ProposedSeal
@@ -55,27 +55,27 @@ _OUTLINE, _NEXT = (176, 60, 44, 120), (176, 60, 44, 235)
 _SIGNATURE_EM_MM = 15.0  # where there is no text that it belongs to
 _NAMELESS = "□□"  # where a name goes that is not known
 _USUAL_SIGNATURE = 7  # characters: a year, a season, a name
-_BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # values that let a text fill no sheet
+_BY_ITSELF = {"em_mm", "point", "turn", "gap", "between"}  # a text with one fills no sheet
 _MOVES = {"point", "turn"}
 _CHOICES = {"around", "order"}  # where one does not fit, a size that does is offered
 _BREAK_ANEW = {"grid", *_CHOICES}  # values with which the text's lines may break otherwise
 _STEMS, _BRANCHES = "甲乙丙丁戊己庚辛壬癸", "子丑寅卯辰巳午未申酉戌亥"
 _NUMERALS = r"\d〇零○一二三四五六七八九十"
-_DATED = re.compile(  # a year, and what else of a date is said beside a name
+_DATED = re.compile(  # a year, and the other parts of a date in a signature
     rf"(?:歲次|岁次|公元|西元|民國|民国)?(?:[{_STEMS}][{_BRANCHES}]|[{_NUMERALS}百千廿卅]+)\s*年\s*"
     rf"(?:[孟仲季]?[春夏秋冬](?!月))?\s*(?:[{_NUMERALS}正冬臘腊]+\s*月)?\s*"
     rf"(?:[{_NUMERALS}初廿卅]+\s*日)?"
 )
-_SIGNED = "書书寫写題题識识記记作畫画 "  # what one does who signs
+_SIGNED = "書书寫写題题識识記记作畫画 "  # verbs of who signs: wrote, painted, inscribed
 _LONGEST_TITLE = 16
-_LAID = 0.3  # of the time until ghosts are found
-_SOME = 500  # samples after which it is looked what is written by now
+_LAID = 0.3  # of the progress, before ghosts are made
+_SOME = 500  # samples after which strokes are counted again
 _FRAME, _MEDIAN = (90, 84, 76, 110), (60, 90, 140, 150)
 
 
 @dataclass
 class _TextLayout:
-    """What lies on the object, and how it came there."""
+    """The page of a file that lies on the object, and where it came from."""
 
     em_mm: float
     layout: Layout
@@ -110,11 +110,11 @@ class CopybookGuide:
         self._making: Future[Any] | None = None  # copybooks of texts that came with the painting
         self._claimed: int | None = None  # the text that a stroke was for
         self.laid_out: Callable[[], None] = lambda: None
-        # texts that a brush was taken for, each in all ways it lay; the brush before, and that one
+        # texts that a brush was chosen for, in all layouts; the brush before, and the chosen one
         self._fitted: list[tuple[set[LaidText], BrushSpec, BrushSpec]] = []
         self._counting: Future[Any] | None = None  # strokes, for the characters
         self._counted: object = None  # which strokes, for which texts
-        self.mover = TextMover(workspace, self.held, self._choose_at)
+        self.mover = TextMover(workspace, self.chosen_text, self._choose_at)
         self.mover.changed.connect(self.change)
         self.mover.removed.connect(self.hide)
         self.mover.turned_on.connect(self._show_moving)
@@ -131,7 +131,7 @@ class CopybookGuide:
         panel.signed.connect(self.do_sign)
         workspace.hand.ended.connect(self._judge)
 
-    # -- what can be asked for --------------------------------------------------------------
+    # -- commands ---------------------------------------------------------------------------
 
     def do_lay_out(self) -> None:
         """Show the panel, to write what is to be laid out."""
@@ -143,7 +143,7 @@ class CopybookGuide:
         self._panel.text.selectAll()
 
     def do_arrange_text(self, on: bool) -> None:
-        """Let drags move texts, or paint again."""
+        """Switch between drags that move texts and drags that paint."""
         if on:
             self.mover.begin()
         else:
@@ -180,7 +180,7 @@ class CopybookGuide:
             self.mover.begin()
 
     def _signature_em_mm(self, words: str) -> float:
-        """The size of a signature without a text; it takes half of a sheet's height at most."""
+        """Return the size of a signature without a text: at most half of a sheet's height."""
         sheet = sheet_of(self._workspace.painting.source)
         if sheet is None:
             return _SIGNATURE_EM_MM
@@ -188,7 +188,7 @@ class CopybookGuide:
         return min(_SIGNATURE_EM_MM, max(LEAST_EM_MM, float(f"{half / len(words):.2g}")))
 
     def signature(self) -> ProposedSeal | None:
-        """The seal of who signed, below the signature; None without a text."""
+        """Return the signer's seal, below the signature; None without a text."""
         texts = self._workspace.painting.texts
         lines = [text for text in texts if text.is_signature]
         written = lines or [text for text in texts if text.text.strip()]
@@ -206,7 +206,7 @@ class CopybookGuide:
         return ProposedSeal(signer, beside.seal_mm, beside.seal_point, beside.up)
 
     def _beside(self, main: LaidText, words: str) -> LaidText:
-        """A signature beside a text, smaller, below its last column or left of it."""
+        """Return a signature beside a text, smaller, below its last column or left of it."""
         book = self._books.get(main)
         signature = LaidText(words, main.em_mm, main.font, main.order, turn=main.turn,
                              grid="none", is_signature=True)  # fmt: skip
@@ -214,9 +214,9 @@ class CopybookGuide:
             return signature.moved(em_mm=self._signature_em_mm("".join(words.split())))
         count = len("".join(words.split()))
         beside = sign_beside(self._workspace.painting.source, book.squares, count, main.order)
-        found = self._workspace.hand.surface.find(beside.point[None]).points[0].tolist()
+        point = self._workspace.hand.surface.find(beside.point[None]).points[0].tolist()
         signature = signature.moved(em_mm=beside.em_mm, between=beside.between)
-        placed = signature.moved(point=tuple(found))
+        placed = signature.moved(point=tuple(point))
         try:
             self._copybook_of(placed)
         except Paint3DError:  # there is no room: it lies where it fits, to be moved
@@ -224,20 +224,24 @@ class CopybookGuide:
         return placed
 
     def _filling(self, values: Mapping[str, Any]) -> Mapping[str, Any]:
-        """What a text is to be, so that it fills the sheet and leaves room for a signature."""
+        """Return the values of a text that fills the sheet and leaves room for a signature."""
         sheet = sheet_of(self._workspace.painting.source)
         text = values["text"]
         if sheet is None or not text.strip():
             return values
-        found = compose(sheet, text, values["order"], signature=_USUAL_SIGNATURE)
-        if found is None:  # letters that do not stand in squares
+        composition = compose(sheet, text, values["order"], signature=_USUAL_SIGNATURE)
+        if composition is None:  # letters that do not stand in squares
             return values
-        composed = {"text": "\n".join(found.lines), "em_mm": found.em_mm, "point": found.point}
-        composed |= {"gap": found.gap, "between": found.between, "turn": 0.0}
+        composed = {
+            "text": "\n".join(composition.lines),
+            "em_mm": composition.em_mm,
+            "point": composition.point,
+        }
+        composed |= {"gap": composition.gap, "between": composition.between, "turn": 0.0}
         return {**values, **composed}
 
     def ask(self, values: Mapping[str, Any], another: bool) -> bool:
-        """Lay what the panel says out: another text, or the chosen one otherwise."""
+        """Lay out the panel's text: another one, or the chosen one with other values."""
         texts = self._workspace.painting.texts
         number = None if another else self._active
         base = LaidText()
@@ -260,24 +264,24 @@ class CopybookGuide:
         Returns
         -------
         bool
-            Whether that went well.
+            Whether that succeeded.
         """
         order = "columns" if columns else "row"
         return self.ask({"text": text, "em_mm": em_mm, "order": order, "font": font}, False)
 
     def change(self, values: Mapping[str, Any]) -> None:
-        """Give the chosen text other values: its size, place, turn, distances, grid.
+        """Give the chosen text other values: its size, position, turn, distances, grid.
 
         One that fills the sheet is composed anew where its order changes.
         """
         if not _BY_ITSELF.isdisjoint(values):
             self._panel.fill_box.setChecked(False)
-        held = self.held()
-        if held is None:
+        chosen = self.chosen_text()
+        if chosen is None:
             return
-        laid = held.laid
-        if not values.keys() <= _BREAK_ANEW and "\n" not in laid.text and held.book.lines:
-            laid = laid.moved(text=held.book.lines)  # it breaks where it did before
+        laid = chosen.laid
+        if not values.keys() <= _BREAK_ANEW and "\n" not in laid.text and chosen.book.lines:
+            laid = laid.moved(text=chosen.book.lines)  # it breaks where it did before
         try:
             if "order" in values and self._panel.fills and not laid.is_signature:
                 values = self._filling({"text": laid.text, **values})
@@ -292,19 +296,19 @@ class CopybookGuide:
             if not self._put(laid, self._active, quiet=_CHOICES.isdisjoint(values), moves=moves):
                 self._show_active()
             return
-        page = held.book.page
+        page = chosen.book.page
         assert page is not None, "it is loose"
         now = replace(self._laid, em_mm=laid.em_mm, layout=laid.layout, note="")
         self._lay(lambda: page, now)
 
     def nudge(self, right: float, up: float) -> None:
-        """Move the chosen text so many mm."""
-        held = self.held()
-        if held is not None:
-            frame = held.book.block.frame
-            place = frame.origin + right * frame.x_axis + up * frame.y_axis
-            found = self._workspace.hand.surface.find(place[None]).points[0].tolist()
-            self.change({"point": tuple(found)})
+        """Move the chosen text, mm."""
+        chosen = self.chosen_text()
+        if chosen is not None:
+            frame = chosen.book.block.frame
+            moved = frame.origin + right * frame.x_axis + up * frame.y_axis
+            point = self._workspace.hand.surface.find(moved[None]).points[0].tolist()
+            self.change({"point": tuple(point)})
 
     def choose(self, number: int) -> None:
         """Choose a text by its number."""
@@ -312,18 +316,18 @@ class CopybookGuide:
             self._active = number
             self._show_active()
 
-    def _choose_at(self, place: AnyArray) -> bool:
-        """Choose the text at a place (3,) of the object; whether there is one."""
+    def _choose_at(self, point: AnyArray) -> bool:
+        """Choose the text at a point (3,) of the object; return whether there is one."""
         books = [self._books.get(text) for text in self._shown]
         for number, book in enumerate([*books, self._loose]):
-            if book is not None and _lies_in(book, place):
+            if book is not None and _lies_in(book, point):
                 self._active = number if number < len(books) else None
                 self._show_active()
                 return True
         return False
 
-    def held(self) -> HeldText | None:
-        """The text that is chosen, as it lies there."""
+    def chosen_text(self) -> ChosenText | None:
+        """Return the chosen text as it lies on the object; None without one."""
         if self._active is not None and self._active < len(self._shown):
             laid = self._shown[self._active]
             book = self._books.get(laid)
@@ -334,12 +338,12 @@ class CopybookGuide:
             shape = (n, longest) if laid.order == "columns" else (longest, n)
             if not laid.text.strip():
                 shape = laid.cells
-            return HeldText(laid, book, (1, 1) if book.page is not None else shape)
+            return ChosenText(laid, book, (1, 1) if book.page is not None else shape)
         if self._loose is None:
             return None
         layout = self._laid.layout
         laid = LaidText(em_mm=self._laid.em_mm, turn=layout.turn, point=layout.point)
-        return HeldText(laid, self._loose, (1, 1))
+        return ChosenText(laid, self._loose, (1, 1))
 
     def _show_moving(self, on: bool) -> None:
         self._panel.show_moving(on)
@@ -350,23 +354,23 @@ class CopybookGuide:
     # -- laying -----------------------------------------------------------------------------
 
     def _make(self, laid: LaidText, progress: Progress = lambda _: None) -> Copybook:
-        """The copybook of a text on the object that is open."""
+        """Make the copybook of a text on the open object, with its ghosts."""
         book = self._copybook_of(laid)
         for n, ghost in enumerate(book.ghosts):
             progress(_LAID + (1.0 - _LAID) * n / len(book.ghosts))
-            _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
+            _ = ghost.outlines, ghost.medians, ghost.frame  # computed here, beside the window
         _ = book.block
         return book
 
     def _copybook_of(self, laid: LaidText) -> Copybook:
-        """The copybook of a text; its ghosts are not found yet."""
+        """Make the copybook of a text; its ghosts are not yet projected."""
         workspace = self._workspace
         return Copybook.of(workspace.painting.source, laid, workspace.settings.glyphs or None)
 
     def _put(
         self, laid: LaidText, number: int | None, *, quiet: bool = False, moves: bool = False
     ) -> bool:
-        """Lay a text in the place of one, or beside those there are; whether that went well.
+        """Lay a text instead of one, or beside the others; return whether that succeeded.
 
         One that would fit at a smaller size is laid at that size if this is agreed to. One that
         moves breaks nowhere else than it did: without room for its one column it stays.
@@ -382,9 +386,9 @@ class CopybookGuide:
             return False
         if isinstance(error, Paint3DError) and "smaller" in error.message.fields:
             smaller = error.message.fields["smaller"]
-            asked = say("The text does not fit there at {size}", size=say_length(laid.em_mm))
+            question = say("The text does not fit there at {size}", size=say_length(laid.em_mm))
             accept = say("Lay out at {size}", size=say_length(smaller))
-            if ask(workspace.window, asked, accept=accept, warns=True) is Answer.AcceptRole:
+            if ask(workspace.window, question, accept=accept, warns=True) is Answer.AcceptRole:
                 return self._put(laid.moved(em_mm=smaller), number)
             return False
         if not workspace.went_well(done):
@@ -403,9 +407,9 @@ class CopybookGuide:
         self._books[laid] = book
         self._loose = None
         self._laid.unused = None
-        place = number if number is not None and number < len(texts) else None
-        self._coming = workspace.paint_thread.post("lay_text", laid.words(), place)
-        self._active = len(texts) if place is None else place
+        index = number if number is not None and number < len(texts) else None
+        self._coming = workspace.paint_thread.post("lay_text", laid.words(), index)
+        self._active = len(texts) if index is None else index
         self._shown = (*texts[: self._active], laid, *texts[self._active + 1 :])
         self._show_active()
         if not moves:
@@ -415,7 +419,7 @@ class CopybookGuide:
         return True
 
     def _turn_to(self, book: Copybook) -> None:
-        """Turn the view to a text that has come to lie on the far side, as opposite a handle."""
+        """Turn the view to a text that has come to lie on the far side of the object."""
         hand, frames = self._workspace.hand, [square.chart.frame for square in book.squares]
         seen = turn_to_see(
             hand.open_camera, [one.origin for one in frames], [one.normal for one in frames]
@@ -424,17 +428,17 @@ class CopybookGuide:
             hand.look(seen)
 
     def _fit_brush(self, laid: LaidText, old: LaidText | None) -> str:
-        """Take a brush for a text that is new, or of another size than the old one; say so.
+        """Choose a brush for a text that is new or of another size than before; return a note.
 
-        None is taken for a signature, which is written after the text, nor where that in hand fits.
+        None is chosen for a signature, which follows the text, nor if the brush in hand suits.
         """
         paint_thread, em_mm = self._workspace.paint_thread, laid.em_mm
         is_new = old is None or not old.text.strip() or old.em_mm != em_mm
         is_main = bool(laid.text.strip()) and not laid.is_signature
         if not is_new or not is_main or suits_size(paint_thread.brush, em_mm):
-            for ways, _, _ in self._fitted:
-                if old in ways:
-                    ways.add(laid)
+            for layouts, _, _ in self._fitted:
+                if old in layouts:
+                    layouts.add(laid)
             return ""
         brush = brush_for(em_mm)
         self._fitted.append(({laid}, paint_thread.brush, brush))
@@ -451,17 +455,17 @@ class CopybookGuide:
             self._workspace.tell(message, state=state)
 
     def _show_active(self) -> None:
-        """Show in the panel what is chosen, and draw all."""
-        held = self.held()
-        book = None if held is None else held.book
+        """Show the chosen text in the panel, and draw all."""
+        chosen = self.chosen_text()
+        book = None if chosen is None else chosen.book
         self._panel.show_texts([_title(text) for text in self._shown], self._active)
-        self._panel.show_values(held.laid if held and self._active is not None else None)
+        self._panel.show_values(chosen.laid if chosen and self._active is not None else None)
         if book is not self._panel.copybook:
             self._panel.show_copybook(book)
         self._draw()
 
     def _sync(self) -> None:
-        """Follow the painting's texts: undo, redo and recovery change them, too."""
+        """Follow the painting's texts, which undo, redo and recovery change, too."""
         if self._coming is not None:
             if not self._coming.done():
                 return
@@ -479,19 +483,19 @@ class CopybookGuide:
             threading.Thread(target=run[0], args=run[1:], name="paint3d-texts", daemon=True).start()
         elif texts != self._shown:
             self._shown = texts
-            self._give_brush_back()
+            self._restore_brush()
             if self._active is not None and self._active >= len(texts):
                 self._active = len(texts) - 1 if texts else None
             if self._active is None and self._loose is None and texts:
                 self._active = len(texts) - 1
             self._show_active()
 
-    def _give_brush_back(self) -> None:
-        """Have the brush that there was before a text that undo has taken back, unless changed."""
+    def _restore_brush(self) -> None:
+        """Take back the brush from before a text that undo has removed, unless changed since."""
         paint_thread = self._workspace.paint_thread
         while self._fitted and self._fitted[-1][0].isdisjoint(self._shown):
-            _, before, taken = self._fitted.pop()
-            if paint_thread.brush == taken:
+            _, before, chosen = self._fitted.pop()
+            if paint_thread.brush == chosen:
                 paint_thread.post("set_brush", before)
 
     def _make_all(self, texts: Sequence[LaidText], done: Future[Any]) -> None:
@@ -514,18 +518,18 @@ class CopybookGuide:
                 self._workspace.tell(say_error(book), state="bad")
 
     def layout_file(self, file: str, em_mm: float) -> bool:
-        """Lay a drawing, a file of strokes or a photographed sheet; whether that went well."""
+        """Lay out a drawing, strokes or a photographed sheet; return whether that succeeded."""
         laid = _TextLayout(em_mm, Layout(), file=Path(file))
 
         def composed() -> Composer:
             if file.lower().endswith(PHOTOGRAPH_SUFFIXES):
-                sheet, laid.photographed = _photographed(Path(file))
+                sheet, laid.photographed = _read_photograph(Path(file))
                 laid.note = say("; ").join(map(say, sheet.notes))
                 return sheet.page
             page = open_page(file)
             if page.photograph is not None:
                 try:
-                    laid.photographed = _photographed_again(page, page.photograph)
+                    laid.photographed = _read_photograph_again(page, page.photograph)
                 except Paint3DError as error:
                     laid.note = say("The strokes lie over their ink: {why}", why=say_error(error))
                     laid.state = "bad"
@@ -537,13 +541,13 @@ class CopybookGuide:
         return self.may_drop() and self._lay(composed, laid)
 
     def correct(self) -> None:
-        """Show the strokes over their picture; what was corrected is laid out instead."""
-        copybook, laid, held = self._panel.copybook, self._laid, self.held()
-        if copybook is None or copybook.page is None or held is None:
+        """Show the strokes over their picture, and lay out the corrected ones instead."""
+        copybook, laid, chosen = self._panel.copybook, self._laid, self.chosen_text()
+        if copybook is None or copybook.page is None or chosen is None:
             return
         workspace, number = self._workspace, self._active
         if number is not None:  # a text in a font
-            laid = _TextLayout(held.laid.em_mm, held.laid.layout)
+            laid = _TextLayout(chosen.laid.em_mm, chosen.laid.layout)
         page, beside = copybook.page, laid.file
         photographed = laid.photographed
         dialog = StrokesDialog(
@@ -562,9 +566,9 @@ class CopybookGuide:
                 self._remove(number)
 
     def may_drop(self) -> bool:
-        """Whether nothing is lost by another page in its place, by none, or by another painting.
+        """Return whether the page may be replaced or removed, or another painting opened.
 
-        Corrections that do not lie on the object are asked for.
+        Asks the user where corrections do not lie on the object.
         """
         if self._laid.unused is None:
             return True
@@ -573,14 +577,14 @@ class CopybookGuide:
         return ask(window, message, destroy=say("Drop them"), warns=True) is Answer.DestructiveRole
 
     def _lay(self, compose: Callable[[], Composer], laid: _TextLayout) -> bool:
-        """Lay a page, in the place of what is chosen."""
+        """Lay a page on the object, instead of the chosen text."""
         workspace = self._workspace
         mesh = workspace.painting.source
 
         def make(_: object) -> Copybook:
             copybook = Copybook(mesh, compose(), laid.em_mm, laid.layout)
             for ghost in copybook.ghosts:
-                _ = ghost.outlines, ghost.medians, ghost.frame  # found here, beside the window
+                _ = ghost.outlines, ghost.medians, ghost.frame  # computed here, beside the window
             return copybook
 
         done = workspace.run(say("Lay out"), make)
@@ -593,7 +597,7 @@ class CopybookGuide:
         return True
 
     def hide(self) -> None:
-        """Take what is chosen away."""
+        """Remove the chosen text."""
         if not self.may_drop():
             return
         self._laid.unused = None
@@ -611,7 +615,7 @@ class CopybookGuide:
         self._shown = self._shown[:number] + self._shown[number + 1 :]
 
     def _begin_anew(self, opened: OpenResult) -> None:
-        """Nothing lies on a painting that is opened but its own texts; text fills sheets."""
+        """Forget the texts of the painting before; a text fills its sheet again."""
         self._laid = _TextLayout(40.0, Layout())
         self._books, self._shown, self._loose = {}, (), None
         self._active = self._coming = self._making = self._claimed = None
@@ -621,7 +625,7 @@ class CopybookGuide:
         self._panel.begin_anew(on_sheet=sheet_of(opened.surface.mesh) is not None)
 
     def follow(self) -> None:
-        """Take what strokes were judged to be, and the texts that the painting has now."""
+        """Take the judgements of strokes, and the texts that the painting has now."""
         self._sync()
         self._count()
         claimed, self._claimed = self._claimed, None
@@ -630,16 +634,18 @@ class CopybookGuide:
         panel, copybook = self._panel, self._panel.copybook
         if panel.follow() and copybook is not None:
             self._draw()
-            for place, ghost in enumerate(copybook.ghosts):
-                percent = panel.percent(place)
-                if percent is not None and place == self._last(copybook):
+            following = copybook.next  # the character before it was judged now
+            last = (len(copybook.ghosts) if following is None else following) - 1
+            for index, ghost in enumerate(copybook.ghosts):
+                percent = panel.percent(index)
+                if percent is not None and index == last:
                     message = say(
                         "{character}: {percent:.0f} %", character=ghost.text, percent=percent
                     )
                     self._workspace.tell(message, state="good")
 
     def _count(self) -> None:
-        """Have strokes counted for the characters they wrote, whoever painted them."""
+        """Count strokes for the characters that they wrote, whoever painted them."""
         if self._counting is not None:
             if not self._counting.done():
                 return
@@ -667,18 +673,13 @@ class CopybookGuide:
         self._counting = paint_thread.post(count)
 
     def _all_books(self) -> list[tuple[int | None, Copybook]]:
-        """All copybooks that lie there, by the numbers of their texts."""
+        """Return all copybooks that lie on the object, with the numbers of their texts."""
         books: list[tuple[int | None, Copybook]] = [
             (number, book)
             for number, text in enumerate(self._shown)
             if (book := self._books.get(text)) is not None
         ]
         return books if self._loose is None else [*books, (None, self._loose)]
-
-    def _last(self, copybook: Copybook) -> int:
-        """Place of the character before the next one."""
-        following = copybook.next
-        return (len(copybook.ghosts) if following is None else following) - 1
 
     def _judge(self, ended: Future[Stroke | None]) -> None:
         books = self._all_books()
@@ -727,31 +728,31 @@ class CopybookGuide:
 
 
 def _title(text: LaidText) -> str:
-    """What a text is called in a list."""
+    """Return a text's name in a list."""
     words = " ".join(text.text.split())
     if not words:
         return say("Grid of {across} × {down}", across=text.cells[0], down=text.cells[1])
     return words if len(words) <= _LONGEST_TITLE else words[: _LONGEST_TITLE - 1] + "…"
 
 
-def _lies_in(book: Copybook, place: AnyArray) -> bool:
-    """Whether a place (3,) lies within a copybook's block."""
+def _lies_in(book: Copybook, point: AnyArray) -> bool:
+    """Return whether a point (3,) lies within a copybook's block."""
     frame, corners = book.block.frame, book.block.corners
     axes = np.stack([frame.x_axis, frame.y_axis], axis=1)
-    off = (place - frame.origin) @ axes
+    across = (point - frame.origin) @ axes
     flat = (corners - frame.origin) @ axes
-    near = bool(((off >= flat.min(axis=0)) & (off <= flat.max(axis=0))).all())
+    near = bool(((across >= flat.min(axis=0)) & (across <= flat.max(axis=0))).all())
     reach = float(np.linalg.norm(corners - frame.origin, axis=1).max())
-    return near and abs(float((place - frame.origin) @ frame.normal)) <= reach
+    return near and abs(float((point - frame.origin) @ frame.normal)) <= reach
 
 
 def signer_in(line: str) -> str:
-    """The name in a signature: what is left of it without the date, and without that it is one."""
+    """Return the name in a signature, without its date and its verb."""
     return _DATED.sub("", line, count=1).strip(_SIGNED)
 
 
 def date_line(day: datetime.date, signer: str = "") -> str:
-    """A year of the sixty and its season, as signatures say a date, and a name.
+    """Return a year of the sixty, its season and a name, as signatures give a date.
 
     Both begin with 立春, the 4th of February: January belongs to the winter before.
     """
@@ -761,42 +762,42 @@ def date_line(day: datetime.date, signer: str = "") -> str:
     return f"{_STEMS[year % 10]}{_BRANCHES[year % 12]}年{season}{signer}書"
 
 
-def _photographed(file: Path) -> tuple[CopiedSheet, Photographed]:
-    """A photograph and its strokes; where no sheet stands out in it, it is one."""
+def _read_photograph(file: Path) -> tuple[CopiedSheet, Photographed]:
+    """Read a photograph and its strokes; one in which no sheet stands out is taken whole."""
     from paint3d.calligraphy.photo.copying import Asked, copy_sheet
 
     pixels, scale = load_photograph(file)
     sheet = copy_sheet(pixels, file.name, Asked(or_whole=True)).taken_from(file, scale)
-    return sheet, Photographed(pixels, sheet, _finds(file, pixels, scale, invert=False))
+    return sheet, Photographed(pixels, sheet, _reader(file, pixels, scale, invert=False))
 
 
-def _photographed_again(page: Page, there: Photograph) -> Photographed:
-    """The photograph that the strokes of a file are from, laid flat as it was then.
+def _read_photograph_again(page: Page, there: Photograph) -> Photographed:
+    """Read the photograph that the strokes of a file are from, laid flat as it was then.
 
-    Which file that is the file of strokes says: nothing but what is named as a picture is read.
+    Its path comes from the file of strokes, so that only a file named as a picture is read.
     """
     from paint3d.calligraphy.photo.copying import find_photographed_sheet
 
     if not there.file.name.lower().endswith(PHOTOGRAPH_SUFFIXES):
         raise InputError("{file}: not named as a picture; expected a photograph", file=there.file)
-    pixels, scale = load_photograph(there.file)  # which says what is no file
+    pixels, scale = load_photograph(there.file)  # refuses what is no file
     if there.digest not in ("", digest_of(there.file)):
         raise InputError(
             "{file}: another picture than the strokes were found in; expected that one there",
             file=there.file,
         )
     sheet = find_photographed_sheet(page, pixels, scale)
-    return Photographed(pixels, sheet, _finds(there.file, pixels, scale, invert=there.invert))
+    return Photographed(pixels, sheet, _reader(there.file, pixels, scale, invert=there.invert))
 
 
-def _finds(
+def _reader(
     file: Path, pixels: NDArray[np.uint8], scale: float, *, invert: bool
 ) -> Callable[[NDArray[np.float64]], SheetPicture]:
-    """What finds the strokes anew in a sheet of other corners."""
+    """Return a function that reads the strokes again from a sheet of other corners."""
     from paint3d.calligraphy.photo.copying import Asked, copy_sheet
 
     def find(corners: NDArray[np.float64]) -> SheetPicture:
-        found = copy_sheet(pixels, file.name, Asked(corners, invert=invert))
-        return found.taken_from(file, scale, invert=invert)
+        sheet = copy_sheet(pixels, file.name, Asked(corners, invert=invert))
+        return sheet.taken_from(file, scale, invert=invert)
 
     return find

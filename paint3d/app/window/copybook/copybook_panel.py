@@ -23,7 +23,7 @@ from paint3d.files.photographs import PHOTOGRAPH_SUFFIXES
 __all__ = ["CopybookPanel"]
 
 _EXAMPLE = "永和九年"
-_FIRST = LaidText()  # what is shown of a text on a painting that is opened
+_FIRST = LaidText()  # the values shown when a painting is opened
 _GRID_NAMES = {
     "frame": Message("Squares"),
     "mi": Message("Cross and diagonals (mi)"),
@@ -35,14 +35,14 @@ _GRID_NAMES = {
 
 
 def _reads_down(text: str) -> bool | None:
-    """Whether a text is usually written in columns; None without a letter."""
+    """Return whether a text is usually written in columns; None without a letter."""
     with suppress(InputError):
         return stands_in_squares(text)
     return None
 
 
 class _Lines(QtWidgets.QPlainTextEdit):
-    """A text of some lines; Ctrl+Enter says that it is done.
+    """A text of some lines, finished by Ctrl+Enter.
 
     Signals
     -------
@@ -59,11 +59,11 @@ class _Lines(QtWidgets.QPlainTextEdit):
         self.setToolTip(say("A line for each column or row; Ctrl+Enter lays it out"))
 
     def text(self) -> str:
-        """What is written."""
+        """Return the text."""
         return self.toPlainText()
 
     def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
-        """Be done by Ctrl+Enter."""
+        """Finish by Ctrl+Enter."""
         enter = event.key() in (QtCore.Qt.Key.Key_Return, QtCore.Qt.Key.Key_Enter)
         if enter and event.modifiers() & QtCore.Qt.KeyboardModifier.ControlModifier:
             self.finished.emit()
@@ -83,19 +83,19 @@ _GOOD = 85  # per cent: what counts as met
 
 
 class CopybookPanel(QtWidgets.QWidget):
-    """Ask for a text to write; say how like it is.
+    """Asks for a text to write; shows how well each character was met.
 
     Signals
     -------
     asked : (dict, bool)
-        What the text is to be, by the names of `LaidText`, with `fills`: whether it is to fill the
-        sheet; and whether it is another one.
+        The text's values, by the names of `LaidText`, and `fills`: whether it is to fill the sheet;
+        and whether it is another text.
     opened : (str, float)
         A drawing or a file of strokes, and its size in mm.
     corrected : ()
         The strokes of what was laid out are to be looked at over their picture.
     hidden : ()
-        What is chosen is to go.
+        The chosen text is to be removed.
     chosen : int
         The text of this number is to be chosen.
     changed : dict
@@ -256,7 +256,7 @@ class CopybookPanel(QtWidgets.QWidget):
     def _number(
         self, name: str, low: float, high: float, value: float, unit: str, digits: int = 0
     ) -> QtWidgets.QDoubleSpinBox:
-        """A number of the chosen text, which it changes at once; per cents of an em as parts."""
+        """Make a box for a number of the chosen text; percents are emitted as parts of 1."""
         box = QtWidgets.QDoubleSpinBox()
         box.setRange(low, high)
         box.setDecimals(digits)
@@ -268,7 +268,7 @@ class CopybookPanel(QtWidgets.QWidget):
         return box
 
     def _mover(self) -> QtWidgets.QDoubleSpinBox:
-        """How far the text is moved by numbers since it was chosen."""
+        """Make a box for the distance that the text is moved by since it was chosen."""
         box = QtWidgets.QDoubleSpinBox()
         box.setRange(-5000.0, 5000.0)
         box.setDecimals(1)
@@ -283,7 +283,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.nudged.emit(*((more, 0.0) if box is self.right else (0.0, more)))
 
     def show_texts(self, titles: Sequence[str], chosen: int | None) -> None:
-        """Show which texts there are, and which is chosen."""
+        """Show the texts, and the chosen one."""
         before = self.texts.count(), self.texts.currentIndex()
         with QtCore.QSignalBlocker(self.texts):
             self.texts.clear()
@@ -297,7 +297,7 @@ class CopybookPanel(QtWidgets.QWidget):
                 box.setProperty("before", 0.0)
 
     def show_values(self, laid: LaidText | None) -> None:
-        """Show what the chosen text is; what would be laid out stays as it is where none is."""
+        """Show the chosen text's values; without one they stay as they are."""
         if laid is None:
             return
         boxes = (
@@ -324,7 +324,7 @@ class CopybookPanel(QtWidgets.QWidget):
             self._offer_squares()
 
     def begin_anew(self, *, on_sheet: bool) -> None:
-        """Show what a first text would be; one that was typed for another painting stays.
+        """Show the values of a first text; one that was typed for another painting stays.
 
         A signature is that painting's own.
         """
@@ -339,7 +339,7 @@ class CopybookPanel(QtWidgets.QWidget):
 
     @property
     def fills(self) -> bool:
-        """Whether a text that is laid out is to fill the sheet."""
+        """True if a text that is laid out is to fill the sheet."""
         return self._form.isRowVisible(self.fill_box) and self.fill_box.isChecked()
 
     def _offer_filling(self, on: bool) -> None:
@@ -361,7 +361,7 @@ class CopybookPanel(QtWidgets.QWidget):
         return "columns" if self.direction.currentData() else "row"
 
     def _suit_text(self) -> None:
-        """Show squares for no text alone, and a row for letters, unless a way was chosen."""
+        """Offer squares only without a text, and a row for letters unless an order was chosen."""
         self._offer_squares()
         columns = _reads_down(self.text.text())
         if columns is not None and not self._order_chosen:
@@ -377,7 +377,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.changed.emit({"order": self._order})
 
     def ask(self) -> None:
-        """Ask for what is written here."""
+        """Ask to lay out the text."""
         self._ask(False)
 
     def _ask(self, another: bool) -> None:
@@ -416,7 +416,7 @@ class CopybookPanel(QtWidgets.QWidget):
         self.show_counts()
 
     def expect(self, coming: Future[Any]) -> None:
-        """Show the score of a stroke when it is there."""
+        """Show the score of a stroke when it has come."""
         self._coming.append(coming)
 
     def follow(self) -> bool:
@@ -429,9 +429,9 @@ class CopybookPanel(QtWidgets.QWidget):
             self.show_counts()
         return came
 
-    def percent(self, place: int) -> float | None:
-        """How like its copybook a character is, 0 to 100; None before it is written."""
-        mark = None if self.copybook is None else self.copybook.marks.get(place)
+    def percent(self, index: int) -> float | None:
+        """Return a character's likeness to its copybook, 0 to 100; None before it is written."""
+        mark = None if self.copybook is None else self.copybook.marks.get(index)
         if mark is None or mark.likeness is None:
             return None
         return 100.0 * mark.likeness.iou
@@ -440,8 +440,8 @@ class CopybookPanel(QtWidgets.QWidget):
         """Show how far each character is written."""
         self.list.clear()
         ghosts = self.copybook.ghosts if self.copybook is not None else ()
-        for place, ghost in enumerate(ghosts):
-            percent = self.percent(place)
+        for index, ghost in enumerate(ghosts):
+            percent = self.percent(index)
             n = len(ghost.strokes)
             text = f"{ghost.text}   {n} / {len(ghost.glyph.strokes)}"
             if ghost.is_written:
@@ -460,12 +460,12 @@ class CopybookPanel(QtWidgets.QWidget):
         elif following is None:
             self.message_label.setText(say("All characters are written"))
         else:
-            told = say(
+            summary = say(
                 "{n} of {count} written; next: {character}",
                 n=sum(ghost.is_written for ghost in ghosts), count=len(ghosts),
                 character=ghosts[following].text,
             )  # fmt: skip
-            self.message_label.setText(told)
+            self.message_label.setText(summary)
             self.list.setCurrentRow(following)
 
     def set_theme(self, theme: Theme) -> None:

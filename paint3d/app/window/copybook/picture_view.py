@@ -1,4 +1,4 @@
-"""A picture that is looked at from near: zoomed about a place, and moved."""
+"""A view of a picture that zooms about a point and moves."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from paint3d.app.window.theme import Theme
 __all__ = ["PictureView", "image_of", "length_of"]
 
 _STEP = 1.25  # per notch of the wheel
-_FARTHEST, _CLOSEST = 0.25, 40.0  # times what is shown first
+_FARTHEST, _CLOSEST = 0.25, 40.0  # of the scale at first
 _STILL = 6.0  # pixels: a press that goes no farther is a click
 _MARGIN = 14.0
 _KIND, _BUTTON = QtCore.QEvent.Type, QtCore.Qt.MouseButton
 
 
 def image_of(pixels: NDArray[np.uint8]) -> QtGui.QImage:
-    """Pixels (H, W, 3) as a picture of its own."""
+    """Return a Qt image of pixels (H, W, 3)."""
     height, width, _ = pixels.shape
     rows = np.ascontiguousarray(pixels)
     form = QtGui.QImage.Format.Format_RGB888
     return QtGui.QImage(rows.data, width, height, 3 * width, form).copy()
 
 
-def length_of(way: QtCore.QPointF) -> float:
-    """The length of a way from one place to another."""
-    return math.hypot(way.x(), way.y())
+def length_of(vector: QtCore.QPointF) -> float:
+    """Return the length of a vector."""
+    return math.hypot(vector.x(), vector.y())
 
 
 class PictureView(QtWidgets.QWidget):
@@ -38,7 +38,7 @@ class PictureView(QtWidgets.QWidget):
     Signals
     -------
     clicked : (float, float)
-        A place in the picture, its pixels.
+        A point of the picture, in its pixels.
     """
 
     clicked = QtCore.Signal(float, float)
@@ -56,7 +56,7 @@ class PictureView(QtWidgets.QWidget):
         self.setFocusPolicy(QtCore.Qt.FocusPolicy.StrongFocus)
         self.grabGesture(QtCore.Qt.GestureType.PinchGesture)
 
-    # -- where things are -------------------------------------------------------------------
+    # -- scale and position -----------------------------------------------------------------
 
     def show_area(self, area: QtCore.QRectF) -> None:
         """Show this part of the picture, its pixels, as large as there is room."""
@@ -83,16 +83,16 @@ class PictureView(QtWidgets.QWidget):
         return self._scale
 
     def place(self, x: float, y: float) -> QtCore.QPointF:
-        """Where a place of the picture lies in the widget."""
+        """Return the widget's point at a point of the picture."""
         return self._offset + QtCore.QPointF(x, y) * self._scale
 
-    def pixel(self, place: QtCore.QPointF) -> tuple[float, float]:
-        """Which place of the picture lies there."""
-        there = (place - self._offset) / self._scale
-        return there.x(), there.y()
+    def pixel(self, position: QtCore.QPointF) -> tuple[float, float]:
+        """Return the picture's point at a point of the widget."""
+        point = (position - self._offset) / self._scale
+        return point.x(), point.y()
 
     def zoom(self, by: float, about: QtCore.QPointF | None = None) -> None:
-        """Show it larger about a place of the widget, by default its middle."""
+        """Zoom about a point of the widget, by default its middle."""
         about = QtCore.QRectF(self.rect()).center() if about is None else about
         x, y = self.pixel(about)
         room = self.size()
@@ -102,25 +102,25 @@ class PictureView(QtWidgets.QWidget):
         self._is_whole = False
         self.update()
 
-    # -- what the hand does -----------------------------------------------------------------
+    # -- input ------------------------------------------------------------------------------
 
     def take_hold(self, place: QtCore.QPointF) -> bool:
-        """Whether something at a place of the widget is dragged from now on; not the picture."""
+        """Return whether a drag from there moves something else than the picture."""
         return False
 
     def drag_to(self, place: QtCore.QPointF) -> None:
-        """Bring what is held to a place of the widget."""
+        """Move what is dragged to a point of the widget."""
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
         """Begin a click or a drag."""
         self._begin(event.position(), event.button(), event.buttons())
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Go on with it."""
+        """Go on with a drag."""
         self._go_on(event.position())
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
-        """End it; where nothing was moved it was a click."""
+        """End the drag, or emit a click where nothing was moved."""
         self._end(event.position(), event.buttons())
 
     def tabletEvent(self, event: QtGui.QTabletEvent) -> None:
@@ -134,32 +134,32 @@ class PictureView(QtWidgets.QWidget):
         event.accept()
 
     def _begin(
-        self, place: QtCore.QPointF, button: QtCore.Qt.MouseButton, down: QtCore.Qt.MouseButton
+        self, position: QtCore.QPointF, button: QtCore.Qt.MouseButton, down: QtCore.Qt.MouseButton
     ) -> None:
         if self._pressed is not None and button != self._button and down & self._button:
             return  # beside the button that drags
-        self._last, self._moved, self._pressed, self._button = place, False, place, button
-        self._holds = button == _BUTTON.LeftButton and self.take_hold(place)
+        self._last, self._moved, self._pressed, self._button = position, False, position, button
+        self._holds = button == _BUTTON.LeftButton and self.take_hold(position)
 
-    def _go_on(self, place: QtCore.QPointF) -> None:
+    def _go_on(self, position: QtCore.QPointF) -> None:
         if self._pressed is None:
             return
         if self._holds:
-            self.drag_to(place)
+            self.drag_to(position)
             return
-        self._moved |= (place - self._pressed).manhattanLength() > _STILL
+        self._moved |= (position - self._pressed).manhattanLength() > _STILL
         if self._moved:
-            self._offset += place - self._last
-            self._last, self._is_whole = place, False
+            self._offset += position - self._last
+            self._last, self._is_whole = position, False
             self.update()
 
-    def _end(self, place: QtCore.QPointF, still_down: QtCore.Qt.MouseButton) -> None:
+    def _end(self, position: QtCore.QPointF, still_down: QtCore.Qt.MouseButton) -> None:
         if still_down & self._button:
-            return  # another button was let go of
+            return  # another button was released
         was_click = self._pressed is not None and not (self._moved or self._holds)
         self._pressed = None
         if was_click and self._button == _BUTTON.LeftButton:
-            self.clicked.emit(*self.pixel(place))
+            self.clicked.emit(*self.pixel(position))
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
         """Zoom about the pointer."""
@@ -189,7 +189,7 @@ class PictureView(QtWidgets.QWidget):
         return super().event(event)
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
-        """Show all of it still, if all was shown."""
+        """Show all again, if all was shown."""
         super().resizeEvent(event)
         if self._is_whole:
             self.show_whole()
@@ -197,7 +197,7 @@ class PictureView(QtWidgets.QWidget):
     # -- drawing ----------------------------------------------------------------------------
 
     def paintEvent(self, event: QtGui.QPaintEvent) -> None:
-        """Draw the picture, and over it what it shows."""
+        """Draw the picture, and the marks over it."""
         painter = QtGui.QPainter(self)
         painter.setRenderHints(
             QtGui.QPainter.RenderHint.Antialiasing | QtGui.QPainter.RenderHint.SmoothPixmapTransform

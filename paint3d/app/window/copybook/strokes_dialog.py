@@ -44,7 +44,7 @@ __all__ = [
 ]
 
 # ---- Strokes over their picture ------------------------------------------------------------------
-# Strokes over the picture that they were found in: coloured, numbered, with their direction.
+# Strokes over the picture that they were read from: coloured, numbered, with their direction.
 
 
 _FIRST = 0.56  # hue of the stroke that is chosen at first: far from the theme's, of rims
@@ -67,7 +67,7 @@ class ShownStroke:
 
 @dataclass(frozen=True, eq=False)
 class Behind:
-    """What lies behind the strokes; see `FlatPage` for how units become pixels.
+    """Background of the strokes; see `FlatPage` for how units become pixels.
 
     Attributes
     ----------
@@ -89,14 +89,14 @@ class Behind:
 
     @classmethod
     def of_sheet(cls, sheet: SheetPicture, strokes: Sequence[GlyphStroke]) -> Behind:
-        """A sheet laid flat."""
+        """Return the background of a sheet laid flat."""
         image = image_of(sheet.picture)
         size = float(image.width()), float(image.height())
         return cls(size, sheet.per_unit, sheet.origin, tuple(strokes), image)
 
     @classmethod
     def of_page(cls, page: Page, strokes: Sequence[GlyphStroke]) -> Behind:
-        """A page without a picture, and what of its strokes stands out of it."""
+        """Return the background of a page without a picture, large enough for its strokes."""
         low = [tuple(stroke.outline.min(axis=0)) for stroke in strokes]
         high = [tuple(stroke.outline.max(axis=0)) for stroke in strokes]
         around = [(*a, *b) for a, b in zip(low, high, strict=True)]
@@ -109,25 +109,25 @@ class Behind:
         return cls(size, per_unit, origin, tuple(strokes))
 
     def pixels(self, points: AnyArray) -> NDArray[np.float64]:
-        """Places of the page (N, 2) as pixels."""
+        """Return points of the page (N, 2) as pixels."""
         there: NDArray[np.float64] = (
             self.per_unit * np.asarray(points) * np.array([1.0, -1.0]) + self.origin
         )
         return there
 
     def around_ink(self) -> QtCore.QRectF:
-        """The part that the ink is in, with some room."""
+        """Return the part that the ink is in, with a margin."""
         whole = QtCore.QRectF(0.0, 0.0, *self.size)
         if not self.ink:
             return whole
         points = self.pixels(np.concatenate([stroke.outline for stroke in self.ink]))
         low, high = points.min(axis=0), points.max(axis=0)
-        room = _MARGIN * max(self.size)
+        margin = _MARGIN * max(self.size)
         area = QtCore.QRectF(QtCore.QPointF(*low), QtCore.QPointF(*high))
-        return area.adjusted(-room, -room, room, room).intersected(whole)
+        return area.adjusted(-margin, -margin, margin, margin).intersected(whole)
 
     def units(self, x: float, y: float) -> NDArray[np.float64]:
-        """A pixel as a place of the page (2,)."""
+        """Return a pixel as a point of the page (2,)."""
         there: NDArray[np.float64] = (np.array([x, -y]) - self.origin * (1.0, -1.0)) / self.per_unit
         return there
 
@@ -171,14 +171,15 @@ class StrokeView(PictureView):
         self.update()
 
     def colour(self, k: int) -> QtGui.QColor:
-        """Of stroke k, over ink as over paper."""
+        """Return the colour of stroke k, which is seen over ink and over paper."""
         return QtGui.QColor.fromHsvF((_FIRST + k * _TURN) % 1.0, 0.85, 0.82)
 
     def _path(self, stroke: GlyphStroke) -> QtGui.QPainterPath:
         path = QtGui.QPainterPath()
         path.setFillRule(QtCore.Qt.FillRule.OddEvenFill)
         for ring in (stroke.outline, *stroke.holes):
-            path.addPolygon(_polygon(self.behind.pixels(ring)))
+            points = self.behind.pixels(ring).tolist()
+            path.addPolygon(QtGui.QPolygonF([QtCore.QPointF(x, y) for x, y in points]))
             path.closeSubpath()
         return path
 
@@ -197,7 +198,11 @@ class StrokeView(PictureView):
             self._draw_region(painter, k, path)
         for marked in (self.other, self.chosen):
             if marked is not None and marked < len(self._paths):
-                self._draw_rim(painter, self._paths[marked], is_other=marked == self.other)
+                style = QtCore.Qt.PenStyle
+                line = style.DashLine if marked == self.other else style.SolidLine
+                painter.strokePath(self._paths[marked], _pen(QtGui.QColor("#ffffff"), 5.0))
+                accent = QtGui.QColor(self.theme.accent)
+                painter.strokePath(self._paths[marked], _pen(accent, 2.6, line))
 
     def _draw_region(self, painter: QtGui.QPainter, k: int, path: QtGui.QPainterPath) -> None:
         colour = self.colour(k)
@@ -211,13 +216,6 @@ class StrokeView(PictureView):
         painter.fillPath(path, fill)
         painter.strokePath(path, _pen(colour, 1.4))
 
-    def _draw_rim(
-        self, painter: QtGui.QPainter, path: QtGui.QPainterPath, *, is_other: bool
-    ) -> None:
-        style = QtCore.Qt.PenStyle.DashLine if is_other else QtCore.Qt.PenStyle.SolidLine
-        painter.strokePath(path, _pen(QtGui.QColor("#ffffff"), 5.0))
-        painter.strokePath(path, _pen(QtGui.QColor(self.theme.accent), 2.6, style))
-
     def draw_marks(self, painter: QtGui.QPainter) -> None:
         """Draw lines with their direction, numbers where they begin, and the cut."""
         order = [k for k in range(len(self._strokes)) if k != self.chosen]
@@ -226,12 +224,12 @@ class StrokeView(PictureView):
         shown = [k for k in order if not self._strokes[k].is_left_out]
         lines = {k: self._line(k) for k in shown}
         for k in shown:
-            self._draw_way(painter, k, lines[k])
+            self._draw_median(painter, k, lines[k])
         taken = LabelGrid()
         for k in shown[::-1]:  # the chosen one has its number where it begins
-            place = _free(lines[k], taken)
-            taken.add(place)
-            self._draw_number(painter, k, place)
+            position = _label_position(lines[k], taken)
+            taken.add(position)
+            self._draw_number(painter, k, position)
         if self.cut is not None and self.chosen is not None:
             self._draw_cut(painter, self.cut, self._strokes[self.chosen].stroke)
 
@@ -241,7 +239,7 @@ class StrokeView(PictureView):
         points += start.x(), start.y()
         return [QtCore.QPointF(x, y) for x, y in points.tolist()]
 
-    def _draw_way(self, painter: QtGui.QPainter, k: int, line: Sequence[QtCore.QPointF]) -> None:
+    def _draw_median(self, painter: QtGui.QPainter, k: int, line: Sequence[QtCore.QPointF]) -> None:
         dark = self.colour(k).darker(150)
         wide = 2.4 if k == self.chosen else 1.6
         for pen in (_pen(QtGui.QColor(255, 255, 255, 210), wide + 2.2), _pen(dark, wide)):
@@ -251,11 +249,11 @@ class StrokeView(PictureView):
         size = min(4.5 + 1.2 * wide, 0.4 * length)
         painter.setPen(_pen(QtGui.QColor("#ffffff"), 1.0))
         painter.setBrush(dark)
-        places = (1.0,) if length < 60.0 else (0.5, 1.0)
-        for fraction in places:
+        arrows = (1.0,) if length < 60.0 else (0.5, 1.0)
+        for fraction in arrows:
             painter.drawPolygon(_arrow(line, fraction * length, size))
 
-    def _draw_number(self, painter: QtGui.QPainter, k: int, start: QtCore.QPointF) -> None:
+    def _draw_number(self, painter: QtGui.QPainter, k: int, middle: QtCore.QPointF) -> None:
         is_chosen = k == self.chosen
         radius = _CHOSEN_BADGE if is_chosen else _BADGE
         text = str(self._strokes[k].number)
@@ -265,22 +263,25 @@ class StrokeView(PictureView):
         painter.setPen(_pen(QtGui.QColor("#ffffff"), 2.0 if is_chosen else 1.2))
         wide = radius + 3.0 * (len(text) - 1)
         painter.drawRoundedRect(
-            QtCore.QRectF(start.x() - wide, start.y() - radius, 2.0 * wide, 2.0 * radius),
+            QtCore.QRectF(middle.x() - wide, middle.y() - radius, 2.0 * wide, 2.0 * radius),
             radius,
             radius,
         )
         painter.setPen(QtGui.QColor("#ffffff"))
-        box = QtCore.QRectF(start.x() - 30.0, start.y() - 10.0, 60.0, 20.0)
+        box = QtCore.QRectF(middle.x() - 30.0, middle.y() - 10.0, 60.0, 20.0)
         painter.drawText(box, QtCore.Qt.AlignmentFlag.AlignCenter, text)
 
     def _draw_cut(
         self, painter: QtGui.QPainter, cut: NDArray[np.float64], stroke: GlyphStroke
     ) -> None:
-        """A bar across the stroke's line."""
+        """Draw a bar across the stroke's line."""
         near = int(np.argmin(np.linalg.norm(stroke.median - cut, axis=1)))
         low, high = max(near - 1, 0), min(near + 1, len(stroke.median) - 1)
-        way = stroke.median[high] - stroke.median[low]
-        across = np.array([way[1], way[0]]) / max(float(np.linalg.norm(way)), 1e-9)  # y turned
+        direction = stroke.median[high] - stroke.median[low]
+        # perpendicular to it in the widget, where y is down
+        across = np.array([direction[1], direction[0]]) / max(
+            float(np.linalg.norm(direction)), 1e-9
+        )
         middle = self.place(*self.behind.pixels(cut[None])[0])
         reach = QtCore.QPointF(*across) * 26.0
         for colour, wide in (("#ffffff", 6.0), (self.theme.accent, 3.0)):
@@ -288,16 +289,12 @@ class StrokeView(PictureView):
             painter.drawLine(middle - reach, middle + reach)
 
 
-def _polygon(points: AnyArray) -> QtGui.QPolygonF:
-    return QtGui.QPolygonF([QtCore.QPointF(x, y) for x, y in points.tolist()])
-
-
 def _pen(
     colour: QtGui.QColor,
     width: float,
     style: QtCore.Qt.PenStyle = QtCore.Qt.PenStyle.SolidLine,
 ) -> QtGui.QPen:
-    """Of so many pixels of the widget, whatever the zoom."""
+    """Return a pen whose width is in pixels of the widget, whatever the zoom."""
     pen = QtGui.QPen(colour, width, style)
     pen.setCosmetic(True)
     pen.setJoinStyle(QtCore.Qt.PenJoinStyle.RoundJoin)
@@ -305,54 +302,54 @@ def _pen(
 
 
 class LabelGrid:
-    """Places of numbers, by cells as wide as one: of many strokes only near ones are looked at."""
+    """Positions of numbers, in cells as wide as one number, so that only near ones are compared."""
 
     def __init__(self) -> None:
         self._cells: dict[tuple[int, int], list[QtCore.QPointF]] = {}
 
-    def add(self, place: QtCore.QPointF) -> None:
-        """Have a number there."""
-        self._cells.setdefault(self._cell(place), []).append(place)
+    def add(self, position: QtCore.QPointF) -> None:
+        """Add a number."""
+        self._cells.setdefault(self._cell(position), []).append(position)
 
-    def is_free(self, place: QtCore.QPointF) -> bool:
-        """Whether no other number would be covered by one there."""
-        x, y = self._cell(place)
+    def is_free(self, position: QtCore.QPointF) -> bool:
+        """Return whether no other number would be covered by one there."""
+        x, y = self._cell(position)
         near = ((x + i, y + j) for i in (-1, 0, 1) for j in (-1, 0, 1))
         return all(
-            length_of(place - other) > 2.0 * _BADGE
+            length_of(position - other) > 2.0 * _BADGE
             for cell in near
             for other in self._cells.get(cell, ())
         )
 
-    def _cell(self, place: QtCore.QPointF) -> tuple[int, int]:
-        return int(place.x() // (2.0 * _BADGE)), int(place.y() // (2.0 * _BADGE))
+    def _cell(self, position: QtCore.QPointF) -> tuple[int, int]:
+        return int(position.x() // (2.0 * _BADGE)), int(position.y() // (2.0 * _BADGE))
 
 
-def _free(line: Sequence[QtCore.QPointF], taken: LabelGrid) -> QtCore.QPointF:
-    """Where a number goes: at a line's start, or farther along it where no other one is."""
+def _label_position(line: Sequence[QtCore.QPointF], grid: LabelGrid) -> QtCore.QPointF:
+    """Return a number's position: a line's start, or a free point farther along it."""
     length = sum(length_of(b - a) for a, b in pairwise(line))
     for fraction in (0.0, 0.12, 0.24, 0.36, 0.5):
-        place = _point_along(line, fraction * length)
-        if taken.is_free(place):
-            return place
+        position = _point_along(line, fraction * length)
+        if grid.is_free(position):
+            return position
     return line[0]
 
 
-def _point_along(line: Sequence[QtCore.QPointF], way: float) -> QtCore.QPointF:
-    """The place so far along a line."""
+def _point_along(line: Sequence[QtCore.QPointF], distance: float) -> QtCore.QPointF:
+    """Return the point at a distance along a line."""
     for a, b in pairwise(line):
         step = length_of(b - a)
-        if step > 0.0 and (way <= step or b is line[-1]):
+        if step > 0.0 and (distance <= step or b is line[-1]):
             break
-        way -= step
+        distance -= step
     step = max(length_of(b - a), 1e-9)
-    return a + (b - a) / step * min(way, step)
+    return a + (b - a) / step * min(distance, step)
 
 
-def _arrow(line: Sequence[QtCore.QPointF], way: float, size: float) -> QtGui.QPolygonF:
-    """A triangle whose tip lies so far along a line, and points as this leads over its length."""
-    tip = _point_along(line, way)
-    there = tip - _point_along(line, max(way - 2.0 * size, 0.0))
+def _arrow(line: Sequence[QtCore.QPointF], distance: float, size: float) -> QtGui.QPolygonF:
+    """Return a triangle with its tip at a distance along a line, turned along the line."""
+    tip = _point_along(line, distance)
+    there = tip - _point_along(line, max(distance - 2.0 * size, 0.0))
     there /= max(length_of(there), 1e-9)
     side = QtCore.QPointF(-there.y(), there.x())
     foot = tip - there * (2.0 * size)
@@ -394,17 +391,17 @@ class CornerView(PictureView):
         self.update()
 
     def take_hold(self, place: QtCore.QPointF) -> bool:
-        """Whether a corner is there."""
-        away = [length_of(self.place(*corner) - place) for corner in self.corners]
-        nearest = int(np.argmin(away))
-        if away[nearest] > _NEAR:
+        """Choose the corner there; return whether there is one."""
+        distances = [length_of(self.place(*corner) - place) for corner in self.corners]
+        nearest = int(np.argmin(distances))
+        if distances[nearest] > _NEAR:
             return False
         self._chosen = nearest
         self.update()
         return True
 
     def drag_to(self, place: QtCore.QPointF) -> None:
-        """Bring the chosen corner there; it stays on the picture."""
+        """Move the chosen corner there, but not off the picture."""
         self._put(np.array(self.pixel(place)))
 
     def _put(self, pixel: NDArray[np.float64]) -> None:
@@ -432,13 +429,13 @@ class CornerView(PictureView):
 
     def draw_marks(self, painter: QtGui.QPainter) -> None:
         """Draw the sheet's sides and corners."""
-        places = [self.place(*corner) for corner in self.corners]
-        line = QtGui.QPolygonF(places)
+        points = [self.place(*corner) for corner in self.corners]
+        line = QtGui.QPolygonF(points)
         for colour, width in (("#ffffff", 4.0), (self.theme.accent, 2.0)):
             painter.setPen(QtGui.QPen(QtGui.QColor(colour), width))
             painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
             painter.drawPolygon(line)
-        for k, place in enumerate(places):
+        for k, place in enumerate(points):
             is_chosen = k == self._chosen
             painter.setPen(QtGui.QPen(QtGui.QColor(self.theme.accent), 2.0))
             painter.setBrush(QtGui.QColor(self.theme.accent if is_chosen else "#ffffff"))
@@ -465,9 +462,9 @@ class Photographed(NamedTuple):
     ----------
     pixels : (H, W, 3) uint8
     sheet : SheetPicture
-        What was found in it.
+        The sheet read from it.
     find : callable
-        Finds the strokes anew in a sheet of other corners (4, 2).
+        Reads the strokes again from a sheet of other corners (4, 2).
     """
 
     pixels: NDArray[np.uint8]
@@ -476,7 +473,7 @@ class Photographed(NamedTuple):
 
 
 class CorrectionState(NamedTuple):
-    """What can be undone: the strokes, and the sheet that they lie on."""
+    """A state to undo to: the strokes, and the sheet that they lie on."""
 
     strokes: CorrectedPage
     sheet: SheetPicture | None
@@ -495,22 +492,22 @@ class CorrectionSteps:
 
     @property
     def now(self) -> CorrectionState:
-        """The state that counts."""
+        """The current state."""
         return self._states[self._at]
 
     @property
     def first(self) -> CorrectionState:
-        """The state that it began with."""
+        """The first state."""
         return self._states[0]
 
     @property
     def can_undo(self) -> bool:
-        """Return whether there is a state before."""
+        """True if there is a state before."""
         return self._at > 0
 
     @property
     def can_redo(self) -> bool:
-        """Return whether something was undone."""
+        """True if something was undone."""
         return self._at + 1 < len(self._states)
 
     def take(self, state: CorrectionState) -> None:
@@ -569,7 +566,7 @@ class StrokesDialog(QtWidgets.QDialog):
         self._beside = beside or Path.cwd() / "strokes"
         sheet = photographed.sheet if photographed is not None else None
         self.steps = steps or CorrectionSteps(CorrectionState(CorrectedPage.of(page), sheet))
-        self._kept = self.steps.first
+        self._saved = self.steps.first
         self._chosen: int | None = 0 if self._now.strokes else None
         self._mode = "choose"
         self._cut_at = 0.5
@@ -586,12 +583,12 @@ class StrokesDialog(QtWidgets.QDialog):
         self.message_label.setWordWrap(True)
         self.buttons: dict[str, QtWidgets.QAbstractButton] = {}
         self._lay_out()
-        room = parent.window().size()
-        self.resize(max(room.width() - 60, 760), max(room.height() - 60, 480))
+        window = parent.window().size()
+        self.resize(max(window.width() - 60, 760), max(window.height() - 60, 480))
         self.view.setFocus()
         self._show()
 
-    # -- what is made -----------------------------------------------------------------------
+    # -- result -----------------------------------------------------------------------------
 
     @property
     def page(self) -> Page:
@@ -606,13 +603,13 @@ class StrokesDialog(QtWidgets.QDialog):
 
     @property
     def is_changed(self) -> bool:
-        """Whether strokes or sheet are not as they were."""
+        """True if strokes or sheet were changed."""
         is_other = self._photo is not None and self.steps.now.sheet is not self._photo.sheet
         return is_other or self._now.is_changed
 
     @property
     def photographed(self) -> Photographed | None:
-        """The photograph with the sheet that counts now."""
+        """The photograph with the current sheet."""
         sheet = self.steps.now.sheet
         if self._photo is None or sheet is None:
             return None
@@ -671,7 +668,7 @@ class StrokesDialog(QtWidgets.QDialog):
         layout.addWidget(panel)
 
     def _button(self, name: str) -> QtWidgets.QPushButton:
-        """One that keeps the keys with the picture when it is clicked."""
+        """Return a button that leaves the focus with the picture when it is clicked."""
         text, key, what, checkable = _BUTTONS[name]
         button = QtWidgets.QPushButton(f"{say(text)}  ({key})" if key else say(text))
         button.setToolTip(say(what))
@@ -682,10 +679,10 @@ class StrokesDialog(QtWidgets.QDialog):
         self.buttons[name] = button
         return button
 
-    # -- what is asked for ------------------------------------------------------------------
+    # -- commands ---------------------------------------------------------------------------
 
     def do(self, name: str) -> None:
-        """Do what a button says, by its name: see `_BUTTONS`."""
+        """Do a button's command, by its name: see `_BUTTONS`."""
         if not self.buttons[name].isEnabled():
             return
         if name in ("join", "split", "corners"):
@@ -699,7 +696,7 @@ class StrokesDialog(QtWidgets.QDialog):
         acts[name]()
 
     def _take(self, strokes: CorrectedPage, chosen: int | None = None) -> None:
-        """Go on with corrected strokes; what else was begun is over."""
+        """Take corrected strokes as the new state, and leave any other mode."""
         self.steps.take(self.steps.now._replace(strokes=strokes))
         if chosen is not None:
             self._chosen = chosen
@@ -740,11 +737,11 @@ class StrokesDialog(QtWidgets.QDialog):
     # -- joining, splitting, corners --------------------------------------------------------
 
     def _enter(self, mode: str) -> None:
-        """Expect another thing with the next click.
+        """Enter a mode, which says what the next click does.
 
-        Strokes are found anew of corners that were dragged; where that fails these are still there.
+        Leaving corners that were dragged reads the strokes again; if that fails, the mode stays.
         """
-        if self._mode == "corners" and mode != "corners" and not self._find_anew():
+        if self._mode == "corners" and mode != "corners" and not self._read_again():
             self._show()
             return
         self._mode = mode
@@ -759,8 +756,8 @@ class StrokesDialog(QtWidgets.QDialog):
         shown.setFocus()
         self._show()
 
-    def _find_anew(self) -> bool:
-        """Find the strokes of the sheet whose corners were dragged; whether that went well."""
+    def _read_again(self) -> bool:
+        """Read the strokes of the sheet with the dragged corners; return whether that succeeded."""
         sheet = self.steps.now.sheet
         if self.corners is None or self._photo is None or sheet is None:
             return True
@@ -770,8 +767,8 @@ class StrokesDialog(QtWidgets.QDialog):
         done = run_beside(self, say("Finding the strokes…"), lambda _: find(corners))
         error = done.exception()
         if error is None:
-            found: SheetPicture = done.result()
-            self.steps.take(CorrectionState(CorrectedPage.of(found.page), found))
+            sheet_read: SheetPicture = done.result()
+            self.steps.take(CorrectionState(CorrectedPage.of(sheet_read.page), sheet_read))
             self._chosen = 0 if self._now.strokes else None
             self.view.show_behind(self._behind())
         elif isinstance(error, Paint3DError):
@@ -784,13 +781,13 @@ class StrokesDialog(QtWidgets.QDialog):
         """Choose the stroke there, join it, or cut there."""
         point = self.view.behind.units(x, y)
         reach = _REACH / self.view.scale / self.view.behind.per_unit
-        found = self._now.stroke_at(point, reach)
+        k = self._now.stroke_at(point, reach)
         if self._mode == "split":
             self._split(point)
-        elif found is not None and self._mode == "join":
-            self._join(found)
-        elif found is not None:
-            self._chosen = found
+        elif k is not None and self._mode == "join":
+            self._join(k)
+        elif k is not None:
+            self._chosen = k
             self._show()
 
     def _confirm(self) -> None:
@@ -821,7 +818,7 @@ class StrokesDialog(QtWidgets.QDialog):
             self._take(parts)
 
     def _step_along(self, by: int) -> None:
-        """Another stroke, or another place of the cut."""
+        """Choose another stroke, or move the cut along."""
         n = len(self._now.strokes)
         if self._mode == "split":
             self._cut_at = min(max(self._cut_at + by / _STEPS, 1 / _STEPS), 1.0 - 1 / _STEPS)
@@ -833,7 +830,7 @@ class StrokesDialog(QtWidgets.QDialog):
         self._show()
 
     def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
-        """Every button by its key; arrows choose; Return agrees, Escape leaves what was begun."""
+        """Press a button by its key; arrows choose, Return confirms, Escape leaves a mode."""
         key, standard = _KEY(event.key()), QtGui.QKeySequence.StandardKey
         if event.matches(standard.Undo):
             self.do("undo")
@@ -849,13 +846,13 @@ class StrokesDialog(QtWidgets.QDialog):
             self._step_along(1 if key == _KEY.Key_Right else -1)
         elif key == _KEY.Key_W:
             self.whole.click()
-        elif key in _KEYS and _KEYS[key] in self.buttons and not _commands(event):
+        elif key in _KEYS and _KEYS[key] in self.buttons and not _has_modifier(event):
             self.do(_KEYS[key])
         else:
             super().keyPressEvent(event)
 
     def _leave(self) -> None:
-        """Let go of what was begun; corners stay as they were."""
+        """Leave the mode; corners stay as they were."""
         if self._mode == "corners" and self.corners is not None and self.steps.now.sheet:
             self.corners.show_corners(self.steps.now.sheet.corners)
         self._enter("choose")
@@ -873,12 +870,12 @@ class StrokesDialog(QtWidgets.QDialog):
         except Paint3DError as error:
             QtWidgets.QMessageBox.warning(self, "paint3d", say_error(error))
         else:
-            self._beside, self._kept = path, self.steps.now
+            self._beside, self._saved = path, self.steps.now
             self.message_label.setText(say("Exported {name}", name=path.name))
 
     def reject(self) -> None:
-        """Close it; corrections that are not in a file are asked for."""
-        if self.steps.now is not self._kept:
+        """Close it; ask first if corrections are not in a file."""
+        if self.steps.now is not self._saved:
             message = say("The corrections are not used and not saved")
             if (
                 ask(self, message, destroy=say("Drop them"), warns=True)
@@ -887,7 +884,7 @@ class StrokesDialog(QtWidgets.QDialog):
                 return
         super().reject()
 
-    # -- what is shown ----------------------------------------------------------------------
+    # -- showing ----------------------------------------------------------------------------
 
     def _show(self) -> None:
         """Show the strokes, and which buttons can do something."""
@@ -923,11 +920,11 @@ class StrokesDialog(QtWidgets.QDialog):
         self.buttons["leave out"].setText(
             f"{say('Take in') if is_out else say('Leave out')}  ({key})"
         )
-        self.message_label.setText(self._words())
+        self.message_label.setText(self._hint())
         self.view.update()
 
-    def _words(self) -> str:
-        """What is chosen, and what to do next."""
+    def _hint(self) -> str:
+        """Return what is chosen, and what to do next, as text."""
         k = self._chosen
         if k is None:
             return say("There are no strokes")
@@ -983,7 +980,10 @@ _HINTS = {
 }
 
 
-def _commands(event: QtGui.QKeyEvent) -> bool:
-    """Whether Ctrl or the like is held."""
-    held = QtCore.Qt.KeyboardModifier
-    return bool(event.modifiers() & (held.ControlModifier | held.AltModifier | held.MetaModifier))
+def _has_modifier(event: QtGui.QKeyEvent) -> bool:
+    """Return whether Ctrl, Alt or Meta is down."""
+    modifier = QtCore.Qt.KeyboardModifier
+    return bool(
+        event.modifiers()
+        & (modifier.ControlModifier | modifier.AltModifier | modifier.MetaModifier)
+    )

@@ -1,4 +1,4 @@
-"""What is seen while nothing is open: ways to begin."""
+"""The page shown while nothing is open: ways to begin."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _SHEET, _SHEET_MM = "sheet:340x680", 0.5
 
 
 class BeginPage(QtWidgets.QFrame):
-    """In the middle of the canvas: a new painting, a file, what was open last."""
+    """A card in the middle of the canvas: a new painting, a file, recent files."""
 
     def __init__(
         self, workspace: Workspace, opening: Opening, recovery: Recovery, recent: RecentFiles
@@ -42,7 +42,7 @@ class BeginPage(QtWidgets.QFrame):
         recovery.discarded = self._fill_again
 
     def show_page(self, shown: bool) -> None:
-        """Show it, with what is there now, or hide it."""
+        """Show the card with its current offers, or hide it."""
         if shown == self.isVisible():
             return
         if shown:
@@ -51,12 +51,12 @@ class BeginPage(QtWidgets.QFrame):
         self.setVisible(shown)
 
     def place(self) -> None:
-        """Stand in the middle of the canvas."""
+        """Move the card to the middle of the canvas."""
         self.adjustSize()
         self.move(self._workspace.canvas.rect().center() - self.rect().center())
 
     def _fill_again(self) -> None:
-        """Offer what is there now, if it is shown."""
+        """Update the offers, if the card is shown."""
         if self.isVisible():
             self.hide()
             self.show_page(True)

@@ -1,4 +1,4 @@
-"""Exporting the painting in the formats of other programs: what a format knows can be chosen."""
+"""Exporting the painting in other programs' formats, each with the options that it has."""
 
 from __future__ import annotations
 
@@ -59,22 +59,22 @@ _QUALITY = 92
 _FILAMENTS = 6
 
 
-def stored_options(kept: Mapping[str, object], suffix: str) -> Mapping[str, object]:
-    """What was chosen last for a format, of all that was kept."""
-    own = kept.get(suffix)
+def stored_options(stored: Mapping[str, object], suffix: str) -> Mapping[str, object]:
+    """Return the options that were chosen last for a format."""
+    own = stored.get(suffix)
     return own if isinstance(own, Mapping) else {}
 
 
 class ExportDialog(FormDialog):
-    """Ask how a format is to be written.
+    """Asks for a format's options.
 
     Parameters
     ----------
     parent : QWidget
     suffix : str
         Of the format: one of `FORMATS`, or ".jpg".
-    kept : mapping
-        What `chosen` returned the last time.
+    stored : mapping
+        The last result of `chosen`.
     screen : (int, int)
         Width and height of the picture on the screen, pixels.
     sheet : (float, float), optional
@@ -85,12 +85,12 @@ class ExportDialog(FormDialog):
         self,
         parent: QtWidgets.QWidget,
         suffix: str,
-        kept: Mapping[str, object],
+        stored: Mapping[str, object],
         screen: tuple[int, int],
         sheet: tuple[float, float] | None = None,
     ) -> None:
         super().__init__(parent, f"{say('Export…').rstrip('…')}  {suffix}")
-        self.suffix, self._kept, self._screen, self._sheet = suffix, kept, screen, sheet
+        self.suffix, self._stored, self._screen, self._sheet = suffix, stored, screen, sheet
         self._takes = FORMATS[suffix].takes if suffix in FORMATS else frozenset()
         self.choices: dict[str, QtWidgets.QComboBox] = {}
         self.checks: dict[str, QtWidgets.QCheckBox] = {}
@@ -113,36 +113,34 @@ class ExportDialog(FormDialog):
             views["studio"] = say("The painted side, in the studio's light")
             views |= {name: say(text) for name, text in _VIEWS.items()}
         flat = FLAT if self._sheet is not None and FLAT in views else None
-        view = self.add_box(say("View"), views, self._kept.get("view", flat))
+        view = self.add_box(say("View"), views, self._stored.get("view", flat))
         self.choices["view"] = view
-        self.size_boxes = SizeBoxes(self._stored_size(self._usual_size()), self._screen)
+        size = self._usual_size()
+        match self._stored.get("size"):
+            case [int(width), int(height)]:
+                size = width, height
+        self.size_boxes = SizeBoxes(size, self._screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
         if self.suffix == ".jpg":
-            quality = stored_number(self._kept, "quality", _QUALITY)
+            quality = stored_number(self._stored, "quality", _QUALITY)
             self.numbers["quality"] = self.add_number(say("Quality"), 1, 100, quality, "%")
         if self.suffix in FORMATS:
             lights = {name: say(text) for name, text in _LIGHTS.items()}
-            self.choices["light"] = self.add_box(say("Light"), lights, self._kept.get("light"))
+            self.choices["light"] = self.add_box(say("Light"), lights, self._stored.get("light"))
             self._add_stored_check("transparent", say("Without ground and background"))
         view.currentIndexChanged.connect(self._view_chosen)
 
-    def _stored_size(self, default: tuple[int, int]) -> tuple[int, int]:
-        match self._kept.get("size"):
-            case [int(width), int(height)]:
-                return width, height
-        return default
-
     def _view_chosen(self) -> None:
-        """Begin with the size that is usual for a view."""
+        """Show the size that is usual for the chosen view."""
         boxes = self._sizes()
-        boxes.kept.setChecked(self.is_of_screen)
+        boxes.keeps_ratio.setChecked(self.is_of_screen)
         width, height = self._usual_size()
         boxes.width_box.setValue(width)
         boxes.height_box.setValue(height)
         self._follow()
 
     def _usual_size(self) -> tuple[int, int]:
-        """The size that is usual for the view, pixels."""
+        """Return the size that is usual for the view, pixels."""
         if self._sheet is not None and self.choices["view"].currentData() == FLAT:
             width, height = flat_size(*self._sheet)
             return max(LEAST_PIXELS, width), max(LEAST_PIXELS, height)
@@ -152,16 +150,19 @@ class ExportDialog(FormDialog):
         if "unit" in self._takes:
             own = say("As the format has it")
             units = {None: own} | say_units()
-            self.choices["unit"] = self.add_box(say("Unit"), units, self._kept.get("unit"))
+            self.choices["unit"] = self.add_box(say("Unit"), units, self._stored.get("unit"))
             axes = {None: own} | {axis: axis.upper() for axis in UP_AXES}
-            self.choices["up_axis"] = self.add_box(say("Up"), axes, self._kept.get("up_axis"))
+            self.choices["up_axis"] = self.add_box(say("Up"), axes, self._stored.get("up_axis"))
         if "texture" in self._takes:
-            ways: dict[bool | int, str] = {False: say("At the vertices"), True: say("As a texture")}
-            ways |= {n: say("As a texture of {n} pixels", n=n) for n in _TEXTURES}
-            kept = self._kept.get("texture", False)
-            self.choices["texture"] = self.add_box(say("Colours"), ways, kept)
+            choices: dict[bool | int, str] = {
+                False: say("At the vertices"),
+                True: say("As a texture"),
+            }
+            choices |= {n: say("As a texture of {n} pixels", n=n) for n in _TEXTURES}
+            where = self._stored.get("texture", False)
+            self.choices["texture"] = self.add_box(say("Colours"), choices, where)
             self.choices["texture"].currentIndexChanged.connect(self._follow)
-        tolerance = stored_number(self._kept, "tolerance", 1.0)
+        tolerance = stored_number(self._stored, "tolerance", 1.0)
         self.numbers["tolerance"] = self.add_number(
             say("Colours may miss by"), 0.0, 20.0, tolerance, "ΔE", 1
         )
@@ -173,26 +174,26 @@ class ExportDialog(FormDialog):
             self._add_stored_check("packed_normals", say("Normals in one number"))
 
     def _add_stored_check(self, name: str, text: str) -> None:
-        self.checks[name] = self.add_check(text, self._kept.get(name) is True)
+        self.checks[name] = self.add_check(text, self._stored.get(name) is True)
 
     def _add_gamut(self) -> None:
         if "gamut" in self._takes:
             screens = {name: gamut.title for name, gamut in GAMUTS.items()}
-            kept = self._kept.get("gamut", "srgb")
-            self.choices["gamut"] = self.add_box(say("Colours of a screen"), screens, kept)
+            gamut_name = self._stored.get("gamut", "srgb")
+            self.choices["gamut"] = self.add_box(say("Colours of a screen"), screens, gamut_name)
 
     def _add_filaments(self) -> None:
         if "filaments" not in self._takes:
             return
-        kept = self._kept.get("filaments")
-        count = kept if isinstance(kept, int) and 1 <= kept <= MOST_FILAMENTS else None
+        stored = self._stored.get("filaments")
+        count = stored if isinstance(stored, int) and 1 <= stored <= MOST_FILAMENTS else None
         on = self.add_check(say("Few colours, one for each triangle"), count is not None)
         number = self.add_number(say("How many"), 1, MOST_FILAMENTS, count or _FILAMENTS)
         self.checks["few"], self.numbers["filaments"] = on, number
         on.toggled.connect(self._follow)
 
     def _follow(self, _: object = None) -> None:
-        """Let only that be chosen which has an effect beside the rest."""
+        """Enable only options that have an effect together with the others."""
         few = self._is_on("few")
         if "few" in self.checks:
             possible = not self.is_of_screen and not self._has_texture()
@@ -218,22 +219,22 @@ class ExportDialog(FormDialog):
         box = self.choices.get("texture")
         return box is not None and box.currentData() is not False
 
-    # -- what was chosen --------------------------------------------------------------------
+    # -- result -----------------------------------------------------------------------------
 
     @property
     def is_of_screen(self) -> bool:
-        """Whether the picture is the one on the screen."""
+        """True if the picture is the one on the screen."""
         return "view" in self.choices and self.choices["view"].currentData() == "screen"
 
     @property
     def is_taken_otherwise(self) -> bool:
-        """Whether it is a picture of another view, light or ground than the studio's own."""
+        """True for a picture with another view, light or ground than the studio's own."""
         if "light" not in self.choices or self._is_on("few"):
             return False
         return self.shot() != Shot(size=self.picture_size())
 
     def shot(self) -> Shot:
-        """How the object is taken, where that is not as on the screen."""
+        """Return the chosen view and light, where they are not the screen's."""
         view = self.choices["view"].currentData()
         light = self.choices["light"].currentData() if "light" in self.choices else "studio"
         return Shot(
@@ -244,7 +245,7 @@ class ExportDialog(FormDialog):
         )
 
     def picture_size(self) -> tuple[int, int]:
-        """Of a picture, pixels."""
+        """Return a picture's size, pixels."""
         return self._sizes().size_in_pixels()
 
     def _sizes(self) -> SizeBoxes:
@@ -252,11 +253,11 @@ class ExportDialog(FormDialog):
         return self.size_boxes
 
     def quality(self) -> int:
-        """Of a JPEG, 1 to 100."""
+        """Return a JPEG's quality, 1 to 100."""
         return round(self.numbers["quality"].value()) if "quality" in self.numbers else _QUALITY
 
     def options(self) -> dict[str, object]:
-        """What `ExportOptions` takes."""
+        """Return the arguments of `ExportOptions`."""
         options = self._plain_options()
         if "gamut" in self.choices and not self.is_of_screen:
             options["viewing"] = Viewing(gamut=self.choices["gamut"].currentData())
@@ -279,23 +280,23 @@ class ExportDialog(FormDialog):
         return options
 
     def chosen(self) -> dict[str, object]:
-        """Everything, as JSON can hold it, to begin with the next time."""
+        """Return all choices, as JSON can hold them, to begin with the next time."""
         gamut = {n: box.currentData() for n, box in self.choices.items() if n == "gamut"}
         if self.suffix not in _PICTURES:
             return self._plain_options() | gamut
-        kept: dict[str, object] = {
+        choices: dict[str, object] = {
             "view": self.choices["view"].currentData(), "size": list(self.picture_size()), **gamut
         }  # fmt: skip
         if "quality" in self.numbers:
-            kept["quality"] = self.quality()
+            choices["quality"] = self.quality()
         if "light" in self.choices:
-            kept["light"] = self.choices["light"].currentData()
-            kept["transparent"] = self._is_on("transparent")
-        return kept
+            choices["light"] = self.choices["light"].currentData()
+            choices["transparent"] = self._is_on("transparent")
+        return choices
 
 
-def _extent(mesh: TriangleMesh) -> tuple[float, float] | None:
-    """Width and height of a sheet with all that frames it, mm; None for an object."""
+def _sheet_size(mesh: TriangleMesh) -> tuple[float, float] | None:
+    """Return width and height of a sheet with its frame, mm; None for an object."""
     if sheet_of(mesh) is None:
         return None
     width, height, _ = np.ptp(mesh.vertices, axis=0)
@@ -305,7 +306,7 @@ def _extent(mesh: TriangleMesh) -> tuple[float, float] | None:
 # ---- The work ------------------------------------------------------------------------------------
 
 
-# What a file may be, by its ending, and how the dialog says it:
+# Kinds of files by their suffix, as the dialog names them:
 FORMAT_NAMES = {
     ".glb": Message("glTF, for the web and most programs"),
     ".ply": Message("PLY"),
@@ -323,19 +324,19 @@ _TAKEN = 0.5  # of an export's time, about, until the painting may go on
 
 
 class Exporting:
-    """Asks how the painted object is exported, and exports it."""
+    """Asks for a name, a format and its options, and exports the painting."""
 
     def __init__(self, workspace: Workspace, targets: Targets, pictures: Pictures) -> None:
         self._workspace, self._targets, self._pictures = workspace, targets, pictures
 
     def do_export(self) -> None:
-        """Ask for a name and a format, then for what can be chosen in that format; write it."""
+        """Ask for a name and a format, then for the format's options; write the file."""
         workspace = self._workspace
-        kept = workspace.settings.exports
-        extent = _extent(workspace.painting.source)
+        stored = workspace.settings.exports
+        extent = _sheet_size(workspace.painting.source)
         remembered = "format" if extent is None else "format of sheets"
         names = FORMAT_NAMES if extent is None else _PICTURES_FIRST
-        path = self._targets.ask(say("Export…"), names, str(kept.get(remembered, "")))
+        path = self._targets.ask(say("Export…"), names, str(stored.get(remembered, "")))
         if path is None:
             return
         name = path.name.lower()
@@ -344,12 +345,12 @@ class Exporting:
             self.export_to(path)
             return
         dialog = ExportDialog(
-            workspace.window, suffix, stored_options(kept, suffix), workspace.canvas.pixel_size,
+            workspace.window, suffix, stored_options(stored, suffix), workspace.canvas.pixel_size,
             extent,
         )  # fmt: skip
         if not dialog.exec():
             return
-        workspace.update_settings(exports={**kept, remembered: suffix, suffix: dialog.chosen()})
+        workspace.update_settings(exports={**stored, remembered: suffix, suffix: dialog.chosen()})
         if dialog.is_of_screen:
             self._pictures.picture_to(path, dialog.picture_size(), dialog.quality())
         elif dialog.is_taken_otherwise:
@@ -358,7 +359,7 @@ class Exporting:
             self.export_to(path, **dialog.options())
 
     def export_to(self, path: Path, **options: Any) -> bool:
-        """Write the painting in another format; say whether that went well.
+        """Write the painting in another format; return whether that succeeded.
 
         Parameters
         ----------
@@ -382,7 +383,7 @@ class Exporting:
         return True
 
     def shot_to(self, path: Path, shot: Shot, viewing: Any = None) -> bool:
-        """Write a picture by a named view and light; say whether that went well."""
+        """Write a picture by a named view and light; return whether that succeeded."""
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 
@@ -398,7 +399,7 @@ class Exporting:
         return True
 
     def _in_paint_thread(self, path: Path) -> Callable[[JobProgress], None]:
-        """Write it while nothing is painted."""
+        """Return work that writes it in the painting thread: nothing is painted meanwhile."""
         paint_thread = self._workspace.paint_thread
 
         def work(progress: JobProgress) -> None:
@@ -409,9 +410,9 @@ class Exporting:
     def _beside(
         self, path: Path, options: Mapping[str, Any], clipped: list[int]
     ) -> Callable[[JobProgress], None]:
-        """Take what is needed from the painting, then write it while that may go on.
+        """Return work that copies what it needs of the painting, then writes beside it.
 
-        How many colours did not fit in, is added to `clipped`.
+        The number of colours outside the gamut is appended to `clipped`.
         """
         paint_thread = self._workspace.paint_thread
 

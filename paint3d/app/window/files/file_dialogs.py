@@ -1,7 +1,7 @@
-"""Dialogs that ask for files, and folders that do not answer: neither holds the window up.
+"""Dialogs that ask for files; a folder that does not answer never blocks the window.
 
-A network folder that is gone stands in the kernel, and so does whoever looks into it. What might
-lie there is looked at by a thread of its own, which is left to itself if it does not come back.
+A look into a network folder that is gone blocks in the kernel. So a thread of its own looks, and is
+abandoned if it does not return.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ _PATIENCE_S = 1.5
 
 
 class NamesOnly(QtWidgets.QFileIconProvider):
-    """Says by the names of files what they are: Qt's own opens those whose names do not tell.
+    """Finds icons and kinds by file names alone: Qt's own provider opens files of unknown names.
 
-    Reading the kernel's log, for one, may wait for ever.
+    Reading a special file, as the kernel's log, may block for ever.
     """
 
     def __init__(self) -> None:
@@ -30,32 +30,32 @@ class NamesOnly(QtWidgets.QFileIconProvider):
         self.setOptions(self.Option.DontUseCustomDirectoryIcons)
 
     def icon(self, file: Any) -> QtGui.QIcon:
-        """The plain icon of a folder or a file."""
+        """Return the plain icon of a folder or a file."""
         if isinstance(file, QtCore.QFileInfo):
             is_folder = file.isDir()
             return super().icon(self.IconType.Folder if is_folder else self.IconType.File)
         return super().icon(file)
 
     def type(self, file: QtCore.QFileInfo) -> str:
-        """The kind of a folder, or of a file by its suffix."""
+        """Return the kind of a folder, or of a file by its suffix."""
         if file.isDir():
             return super().type(file)
         by_name = QtCore.QMimeDatabase.MatchMode.MatchExtension
         return QtCore.QMimeDatabase().mimeTypeForFile(file.fileName(), by_name).comment()
 
 
-_icons: list[NamesOnly] = []  # Qt does not keep it
+_icons: list[NamesOnly] = []  # Qt does not own it
 
 
 def look_at_names_only(dialog: QtWidgets.QFileDialog) -> None:
-    """Have a dialog open no file that it lists."""
+    """Keep a dialog from opening the files that it lists."""
     if not _icons:
         _icons.append(NamesOnly())
     dialog.setIconProvider(_icons[0])
 
 
 def ask_file(parent: QtWidgets.QWidget, title: str, kinds: str, folder: str = "") -> str:
-    """Ask for a file that is there; empty for none.
+    """Ask for an existing file; empty for none.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def ask_file(parent: QtWidgets.QWidget, title: str, kinds: str, folder: str = ""
     kinds : str
         Name filters, parted by ``;;``.
     folder : str
-        To begin in; by default where was looked last.
+        To begin in; by default the last one.
     """
     dialog = QtWidgets.QFileDialog(parent, title, folder)
     dialog.setFileMode(QtWidgets.QFileDialog.FileMode.ExistingFile)
@@ -76,30 +76,30 @@ def ask_file(parent: QtWidgets.QWidget, title: str, kinds: str, folder: str = ""
 
 
 def that_exist(paths: Sequence[str | os.PathLike[str]]) -> list[str]:
-    """Those of several files that are there, as far as their folders answer, in their order."""
-    found = _look(paths)
-    return [os.fspath(path) for path in paths if found.get(os.fspath(path), False)]
+    """Return those of several files that exist, as far as their folders answer, in order."""
+    exists = _look(paths)
+    return [os.fspath(path) for path in paths if exists.get(os.fspath(path), False)]
 
 
 def answers(path: str | os.PathLike[str]) -> bool:
-    """Whether it can be told at all, within a while, if something is at a path."""
+    """Return whether a path's folder answers within a while, whatever the answer."""
     return os.fspath(path) in _look([path])
 
 
 def _look(paths: Sequence[str | os.PathLike[str]]) -> dict[str, bool]:
-    """Whether each of several files is there; those of which nothing was heard are left out."""
-    found: dict[str, bool] = {}
+    """Look whether each of several files exists; leave out those without an answer in time."""
+    exists: dict[str, bool] = {}
     seekers = []
     for path in [os.fspath(path) for path in paths]:
         seeker = threading.Thread(
-            target=lambda path=path: found.update({path: _is_there(path)}), daemon=True
+            target=lambda path=path: exists.update({path: _is_there(path)}), daemon=True
         )
         seeker.start()
         seekers.append(seeker)
     deadline = time.monotonic() + _PATIENCE_S
     for seeker in seekers:
         seeker.join(max(0.0, deadline - time.monotonic()))
-    return dict(found)
+    return dict(exists)
 
 
 def _is_there(path: str) -> bool:

@@ -1,4 +1,4 @@
-"""A painting that is about to be shown: its name, and what has to be found out before."""
+"""A painting that is about to be shown: its name, and what is computed before."""
 
 from __future__ import annotations
 
@@ -27,19 +27,19 @@ __all__ = [
 
 
 def described(source: TriangleMesh, material: Material) -> str:
-    """What is painted on, in words: the object, its material, its width, depth and height."""
+    """Describe the object painted on: its name, material, width, depth and height."""
     sides = np.ptp(source.vertices, axis=0)
     size = say_sides(*(side for side in sides if side > 0.05 * sides.max()))
     return f"{say_object(source.name)}, {say_material(material)}, {size}"
 
 
 _MOST_POINTS = 60_000  # to place a camera by; more show no object any better
-_N_WAYS = 200  # and the outermost of all vertices so many ways
+_N_WAYS = 200  # directions in which the outermost vertex is added
 
 
 @dataclass(frozen=True, eq=False)
 class OpenResult:
-    """What takes seconds with millions of triangles, and so is made beside the window.
+    """A document ready to be shown; takes seconds for millions of triangles, beside the window.
 
     Make it with `OpenResult.of`, outside the window's thread.
 
@@ -48,7 +48,7 @@ class OpenResult:
     document : Document
     shown : LiveObject
     uploads : list of PatchUpload
-        All that is to be drawn at first.
+        Everything for the first picture.
     surface : ClosestPoints
         Of the object's own triangles.
     points : (N, 3) float32
@@ -65,7 +65,7 @@ class OpenResult:
     def of(
         cls, document: Document, progress: Callable[[float], None] = lambda _: None
     ) -> OpenResult:
-        """Find it out.
+        """Prepare a document.
 
         Parameters
         ----------
@@ -85,20 +85,20 @@ class OpenResult:
 
 
 def open_with_progress(document: Document, progress: JobProgress, fraction: float) -> OpenResult:
-    """Make a painting ready to be shown; the fraction of the work that is done before."""
+    """Prepare a document, as the part of some work from `fraction` on."""
     progress(fraction)
     return OpenResult.of(document, part_of(progress, fraction, 0.98))
 
 
 def some_points(points: AnyArray) -> AnyArray:
-    """Some of (N, 3) points, spread evenly over the list, and those that lie outermost."""
+    """Return some of (N, 3) points, evenly from the list, and the outermost ones."""
     step = -(-len(points) // _MOST_POINTS)
     if step == 1:
         return points
     turn = np.arange(_N_WAYS) * np.pi * (3.0 - np.sqrt(5.0))  # a Fibonacci lattice on the sphere
     up = 1.0 - 2.0 * (np.arange(_N_WAYS) + 0.5) / _N_WAYS
     across = np.sqrt(1.0 - up * up)
-    ways = np.stack([across * np.cos(turn), across * np.sin(turn), up], axis=1)
-    ways = np.concatenate([ways, np.eye(3), -np.eye(3)]).astype(np.float32)
-    outermost = np.unique([int((points @ way).argmax()) for way in ways])
+    directions = np.stack([across * np.cos(turn), across * np.sin(turn), up], axis=1)
+    directions = np.concatenate([directions, np.eye(3), -np.eye(3)]).astype(np.float32)
+    outermost = np.unique([int((points @ direction).argmax()) for direction in directions])
     return np.concatenate([points[::step], points[outermost]])

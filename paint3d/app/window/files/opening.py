@@ -1,4 +1,4 @@
-"""Opening objects and paintings."""
+"""Opening objects and paintings; compiling kernels ahead of the first stroke."""
 
 from __future__ import annotations
 
@@ -53,12 +53,12 @@ _one_at_a_time = threading.Lock()
 
 
 def is_first_start() -> bool:
-    """Whether the kernels have never been compiled here, so that it takes a minute."""
+    """Return whether the kernels were never compiled here, which takes a minute."""
     return not is_compiled(paint_samples)
 
 
 def is_warm() -> bool:
-    """Whether nothing is to be got ready: kernels were compiled ahead, and not changed since."""
+    """Return whether all kernels were compiled ahead and have not changed since."""
     return all(map(is_ahead, (paint_samples, drape_points, cone_of, add_shine, enlarge)))
 
 
@@ -70,7 +70,7 @@ def warm_up(progress: Callable[[float], None] = lambda _: None) -> None:
     progress : callable
         Called with the fraction done between the steps; what it raises stops them.
     """
-    while not _one_at_a_time.acquire(timeout=_LOOK_S):  # one that was given up goes on for a while
+    while not _one_at_a_time.acquire(timeout=_LOOK_S):  # a cancelled one goes on for a while
         progress(0.0)
     try:
         if not _warm:
@@ -98,20 +98,20 @@ def _paint_unseen(progress: Callable[[float], None]) -> None:
     document.let_time_pass(0.05)
     progress(0.9)
     shown.uploads(document.refresh())
-    _turn(shown)
-    _stand(document, samples[-1])
+    _draw_moving(shown)
+    _place_brush(document, samples[-1])
     progress(0.98)
     document.undo()
 
 
 def _over(k: int) -> PointerInput:
-    """A pen over the sheet."""
-    place, down = (2.0 * k, 0.0, 90.0), (0.0, 0.0, -1.0)
-    return PointerInput(10 * _MS * (k + 1), origin=place, direction=down, pressure=0.5)
+    """Return a pen's event over the sheet."""
+    above, down = (2.0 * k, 0.0, 90.0), (0.0, 0.0, -1.0)
+    return PointerInput(10 * _MS * (k + 1), origin=above, direction=down, pressure=0.5)
 
 
-def _turn(shown: LiveObject) -> None:
-    """Make ready what is drawn while the view moves."""
+def _draw_moving(shown: LiveObject) -> None:
+    """Run what draws while the view moves."""
     coarse = shown.coarse_for(1.0, 1000)
     assert coarse is not None, "it is asked for the first time"
     lamps, lobes, out = np.zeros((1, 6)), np.ones((3, 2)), coarse.colours.copy()
@@ -121,8 +121,8 @@ def _turn(shown: LiveObject) -> None:
     Enlarger((1, 1), (2, 2)).enlarge(np.zeros((1, 1, 4), np.uint8), np.zeros((2, 2, 4), np.uint8))
 
 
-def _stand(document: Document, sample: DeviceSample) -> None:
-    """Find how the brush stands, as for drawing it."""
+def _place_brush(document: Document, sample: DeviceSample) -> None:
+    """Run what places and bends the brush for drawing."""
     painter, tree = document.painter, document.surface.contact_tree
     pressed = document.tuft_follower.follow(painter, object_poses([sample]))
     stand = BrushStand.of(painter.tuft, sample.position, np.eye(3), pressed)
@@ -142,7 +142,7 @@ class Opening:
     Attributes
     ----------
     unit, up : str or None
-        What one unit of mesh files is, and their axis that points up, where that was said; see
+        Unit of mesh files, and their axis that points up, where the user gave them; see
         `load_mesh`.
     """
 
@@ -190,7 +190,7 @@ class Opening:
         *,
         asked: bool = False,
     ) -> bool:
-        """Open a painting, a mesh or a built-in object; say whether that went well.
+        """Open a painting, a mesh or a built-in object; return whether that succeeded.
 
         If it is stopped or fails, the painting that is open stays as it is.
 
@@ -202,7 +202,7 @@ class Opening:
         material : str, optional
             Of a mesh. By default what was chosen last.
         asked : bool
-            Whether it was asked already what becomes of the painting that is open.
+            Whether the user was already asked about the open painting.
         """
         if self._workspace.is_waiting:
             return False
@@ -213,7 +213,9 @@ class Opening:
         ):
             return False
         self._workspace.error = None
-        if not self._is_ready():
+        if not is_warm() and not self._workspace.went_well(
+            self._workspace.run(say_warming(), _warm_up)
+        ):
             return False
         title = say("Opening {name}…", name=say_object(Path(path).name))
         if is_session_path(path):
@@ -230,10 +232,6 @@ class Opening:
         for message in open_elsewhere(self._workspace):
             self._workspace.tell(message, state="bad", stays=True)
         return True
-
-    def _is_ready(self) -> bool:
-        """Whether a stroke could be painted at once; gets kernels ready that are compiled late."""
-        return is_warm() or self._workspace.went_well(self._workspace.run(say_warming(), _warm_up))
 
     def _open_session(self, path: str, title: str) -> Future[Any]:
         undo_bytes = self._undo_bytes()
@@ -256,11 +254,11 @@ class Opening:
 
         def read(progress: JobProgress) -> Reading:
             message = _before_one(progress)
-            found = read_mesh(path, self.unit, texture=True, up=self.up, progress=message)
-            _ = found.mesh.face_normals, found.mesh.bounds  # here, not in the window's thread
+            mesh = read_mesh(path, self.unit, texture=True, up=self.up, progress=message)
+            _ = mesh.mesh.face_normals, mesh.mesh.bounds  # here, not in the window's thread
             if not is_built_in(path):
-                _ = found.up_by_shape
-            return found
+                _ = mesh.up_by_shape
+            return mesh
 
         loaded = self._workspace.run(title, read)
         if not self._workspace.went_well(loaded):
@@ -277,13 +275,13 @@ class Opening:
         undo_bytes = self._undo_bytes()
 
         def make(progress: JobProgress) -> OpenResult:
-            found = reading.mesh
+            mesh = reading.mesh
             if not choice.coloured:  # as it was before it was refined for its picture
                 message = part_of(progress, 0.0, 0.4)
-                found = read_mesh(path, self.unit, up=self.up, progress=message).mesh
+                mesh = read_mesh(path, self.unit, up=self.up, progress=message).mesh
             progress(0.0 if choice.coloured else 0.4)
             document = Document.new(
-                choice.apply(found),
+                choice.apply(mesh),
                 choice.resolution,
                 choice.material,
                 brush=brush,
@@ -300,7 +298,7 @@ class Opening:
 
 
 def say_warming() -> str:
-    """What is said while the kernels are got ready."""
+    """Return the text shown while kernels are compiled."""
     if is_first_start():
         return say("First start: preparing the brush, about a minute…")
     return say("Preparing the brush…")

@@ -1,4 +1,4 @@
-"""Bringing back paintings that a crash left."""
+"""Recovering paintings that a crash left."""
 
 from __future__ import annotations
 
@@ -25,20 +25,20 @@ __all__ = ["Recovery", "open_elsewhere"]
 
 
 class Recovery:
-    """Offers what crashes left, and brings it back or deletes it.
+    """Offers the paintings that crashes left, to recover or delete them.
 
     Parameters
     ----------
     workspace : Workspace
     menu : QMenu
-        Of what can be brought back; filled when it is about to be shown.
+        Of the paintings that can be recovered; filled when it is about to be shown.
     may_leave : callable
-        Asks what becomes of the painting that is open.
+        Asks whether the open painting may be left.
 
     Attributes
     ----------
     discarded : callable
-        Called when a painting was deleted because that was answered.
+        Called when the user has deleted a painting.
     """
 
     def __init__(
@@ -48,19 +48,16 @@ class Recovery:
         self.discarded: Callable[[], None] = lambda: None
 
     def offer(self) -> bool:
-        """Ask about a painting that was never saved, the newest; True if it was brought back."""
+        """Ask about the newest painting that was never saved; True if it was recovered."""
         left = recoverable()
         return bool(left) and self._is_wanted(left[0]) and self.recover(left[0])
 
     def _ask_and_recover(self, one: Unfinished) -> bool:
-        """Ask about one, and what becomes of the painting that is open."""
+        """Ask about a painting, and about leaving the open one; return whether it was recovered."""
         return self._is_wanted(one) and self._may_leave() and self.recover(one)
 
-    def _asker(self, one: Unfinished) -> Callable[[], bool]:
-        return lambda: self._ask_and_recover(one)
-
     def _is_wanted(self, one: Unfinished) -> bool:
-        """Whether to go on with it; if not, it is deleted or stays for later."""
+        """Ask whether to recover a painting; if not, it is deleted or stays for later."""
         answer = ask(
             self._workspace.window,
             say(
@@ -78,28 +75,29 @@ class Recovery:
         return answer is Answer.AcceptRole
 
     def tell_unsaved(self) -> None:
-        """Say where what was put off can be found, if there is any."""
+        """Show where unsaved paintings can be found, if there are any."""
         if recoverable():
             where = f"{say('File')}, {say('Recover unsaved work')}"
             message = say("Unsaved paintings stay in the menu: {where}", where=where)
             self._workspace.tell(message)
 
     def fill_menu(self) -> None:
-        """List the paintings that can be brought back, as they are left by now."""
+        """List the paintings that can be recovered now."""
         self._menu.clear()
         for one in recoverable():
             text = f"{_name_of(one)}  ({_time_of(one)})"
-            self._menu.addAction(text, self._asker(one))
+            action = self._menu.addAction(text)
+            action.triggered.connect(lambda _=False, one=one: self._ask_and_recover(one))
         self._menu.setEnabled(bool(self._menu.actions()))
 
     def recover(self, one: Unfinished) -> bool:
-        """Bring a painting back; what it was kept in is deleted once it is kept anew.
+        """Recover a painting; its recovery data is deleted once it is saved again by this process.
 
         If it is stopped, it stays where it is and is offered again.
         """
-        with ExitStack() as held:  # until it is kept anew: no other window is to bring it back, too
-            with suppress(SessionError):  # who brings it back tells
-                held.enter_context(one.held())
+        with ExitStack() as lock:  # until it is saved anew, no other window may recover it, too
+            with suppress(SessionError):  # the recovery itself reports it
+                lock.enter_context(one.held())
             return self._recover(one)
 
     def _recover(self, one: Unfinished) -> bool:
@@ -119,8 +117,8 @@ class Recovery:
         is_kept = workspace.paint_thread.recovery is not None
         if is_kept:
             one.discard()
-        lost = _lost_of(recovered)
-        if lost or is_kept:  # if not, it is said, and what the crash left is all that there is
+        lost = _losses(recovered)
+        if lost or is_kept:  # if not, that is shown already, and the crash's data stays
             bad = lost + open_elsewhere(workspace)
             message = say("; ").join([say("Recovered; save it to keep it"), *bad])
             workspace.tell(message, state="bad" if bad else "good", stays=bool(bad))
@@ -128,7 +126,7 @@ class Recovery:
 
 
 def open_elsewhere(workspace: Workspace) -> list[str]:
-    """That another window paints on the same file, if so; who saves second will be asked."""
+    """Return a note if another window has the same file open; who saves second is asked."""
     path, recovery = workspace.painting.path, workspace.paint_thread.recovery
     own = None if recovery is None else recovery.folder
     if path is None or not is_open_elsewhere(path, own):
@@ -136,15 +134,15 @@ def open_elsewhere(workspace: Workspace) -> list[str]:
     return [say("{name} is open in another window, too", name=path.name)]
 
 
-def _lost_of(recovered: Recovered) -> list[str]:
-    """What did not come back, in words."""
-    said = []
+def _losses(recovered: Recovered) -> list[str]:
+    """Return notes on what could not be recovered."""
+    notes = []
     if recovered.n_lost:
-        said.append(say("about {count:,} samples of the hand were lost", count=recovered.n_lost))
+        notes.append(say("about {count:,} samples of the hand were lost", count=recovered.n_lost))
     if recovered.refused:
         message = say("{count} steps could not be done again", count=len(recovered.refused))
-        said.append(f"{message} ({say_error(recovered.refused[0])})")
-    return said
+        notes.append(f"{message} ({say_error(recovered.refused[0])})")
+    return notes
 
 
 def _name_of(one: Unfinished) -> str:

@@ -1,8 +1,7 @@
-"""Saving paintings, and what becomes of unsaved work."""
+"""Saving paintings, and asking about unsaved work."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from PySide6 import QtCore, QtWidgets
@@ -46,14 +45,12 @@ class RecentFiles(QtCore.QObject):
         """Fill the menu."""
         self._menu.clear()
         for path in self.paths():
-            self._menu.addAction(Path(path).name, self._chooser(path))
+            action = self._menu.addAction(Path(path).name)
+            action.triggered.connect(lambda _=False, path=path: self.chosen.emit(path))
         self._menu.setEnabled(bool(self._menu.actions()))
 
-    def _chooser(self, path: str) -> Callable[[], None]:
-        return lambda: self.chosen.emit(path)
-
     def paths(self) -> list[str]:
-        """Those that are still there, the last opened first."""
+        """Return those that still exist, the last opened first."""
         return that_exist(self._workspace.settings.recent)
 
 
@@ -61,20 +58,18 @@ class RecentFiles(QtCore.QObject):
 
 
 class Saving:
-    """Saves the painting that is open, and asks about what is not saved."""
+    """Saves the open painting, and asks about unsaved work."""
 
     def __init__(self, workspace: Workspace, targets: Targets, recent: RecentFiles) -> None:
         self._workspace, self._targets, self._recent = workspace, targets, recent
 
     def may_leave(self) -> bool:
-        """Ask what is to become of unsaved work; False if it is to stay."""
+        """Ask about unsaved work; False if the painting is not to be left."""
         paint_thread = self._workspace.stage.paint_thread
         if paint_thread is None:
             return True
         painting = self._workspace.painting
-        if not (
-            paint_thread.is_behind or painting.modified
-        ):  # what is still to be done will change it
+        if not (paint_thread.is_behind or painting.modified):  # queued commands will change it
             return True
         name = painting.path.name if painting.path else say_object(painting.source.name)
         words = say("Save the changes to “{name}”?", name=name)
@@ -85,26 +80,26 @@ class Saving:
         return answer is Answer.DestructiveRole
 
     def do_save(self) -> bool:
-        """Save where it was saved before, or ask where; say whether that went well."""
-        workspace, found = self._workspace, list[tuple[Path | None, bool]]()
+        """Save where it was saved before, or ask where; return whether that succeeded."""
+        workspace, state = self._workspace, list[tuple[Path | None, bool]]()
         paint_thread, painting = workspace.paint_thread, workspace.painting
 
-        def work(progress: JobProgress) -> None:  # beside a bar: a step that goes on may last
+        def work(progress: JobProgress) -> None:  # with a bar, as the current step may last
             asked = paint_thread.post(
                 lambda document: (document.path, document.file_changed_on_disk)
             )
-            found.append(result_of(asked, progress))
+            state.append(result_of(asked, progress))
 
         name = painting.path.name if painting.path else say_object(painting.source.name)
         if not workspace.went_well(workspace.run(say("Writing {name}…", name=name), work)):
             return False
-        ((path, is_written),) = found
+        ((path, is_written),) = state
         if path is None:
             return self.do_save_as()
         return self._save_beside_others(path) if is_written else self.save_to(path)
 
     def _save_beside_others(self, path: Path) -> bool:
-        """Ask before what somebody else has saved in the same file is replaced."""
+        """Ask before replacing what another program has saved in the same file."""
         answer = ask(
             self._workspace.window,
             say(
@@ -120,12 +115,12 @@ class Saving:
         return answer is Answer.DestructiveRole and self.save_to(path)
 
     def do_save_as(self) -> bool:
-        """Ask where to save; say whether that went well."""
+        """Ask where to save; return whether that succeeded."""
         path = self._targets.ask(say("Save as…"), {SESSION_SUFFIX: Message("Paintings")})
         return path is not None and self.save_to(path)
 
     def save_to(self, path: Path) -> bool:
-        """Save to a session; say whether that went well."""
+        """Save to a session; return whether that succeeded."""
         workspace = self._workspace
         paint_thread = workspace.paint_thread
 

@@ -1,4 +1,4 @@
-"""Asking where to write: formats by name, and one question before a file is replaced."""
+"""Asking where to write: the format by name, and once before a file is replaced."""
 
 from __future__ import annotations
 
@@ -26,12 +26,12 @@ class FileKind(NamedTuple):
 
     @property
     def filter(self) -> str:
-        """As the dialog lists it."""
+        """The dialog's filter."""
         return f"{self.name} (*{self.suffix})"
 
 
 class TargetDialog(QtWidgets.QFileDialog):
-    """Ask for a file to write.
+    """Asks for a file to write.
 
     Qt's own dialog on every desktop: the name that is typed gets its suffix before it is asked
     whether a file of that name is to be replaced, which a desktop's dialog does not know of.
@@ -49,7 +49,7 @@ class TargetDialog(QtWidgets.QFileDialog):
     Attributes
     ----------
     target : Path or None
-        What was chosen, with its suffix.
+        The chosen file, with its suffix.
     """
 
     def __init__(
@@ -75,14 +75,14 @@ class TargetDialog(QtWidgets.QFileDialog):
         self.setNameFilters(filters)
         self.selectNameFilter(self._first.filter)
         label = QtWidgets.QFileDialog.DialogLabel
-        for place, text in (
+        for part, text in (
             (label.LookIn, say("Folder")),
             (label.FileName, say("File name")),
             (label.FileType, say("Format")),
             (label.Accept, say("Save")),
             (label.Reject, say("Cancel")),
         ):
-            self.setLabelText(place, text)
+            self.setLabelText(part, text)
         look_at_names_only(self)
         there = answers(start.parent) and start.parent.is_dir()
         folder = start.parent if there else Path.cwd()
@@ -91,14 +91,16 @@ class TargetDialog(QtWidgets.QFileDialog):
         self.filterSelected.connect(self._rename)
 
     def _rename(self, chosen: str) -> None:
-        """Give the name that stands there the suffix of the kind that was chosen."""
+        """Give the name in the box the suffix of the chosen kind."""
         kind = next((k for k in self._kinds if k.filter == chosen), None)
         named = self.selectedFiles()
         if kind is not None and named and not Path(named[0]).is_dir():
-            self.selectFile(_without(Path(named[0]).name, self._kinds) + kind.suffix)
+            name = Path(named[0]).name
+            known = _suffix(name, self._kinds) or ""
+            self.selectFile(name[: len(name) - len(known)] + kind.suffix)
 
     def _with_suffix(self, path: Path) -> Path:
-        """The file that is meant by a name; a known suffix that was typed says the format."""
+        """Return the file of a typed name; a known suffix in it gives the format."""
         if _suffix(path.name, self._kinds) is not None:
             return path
         chosen = self.selectedNameFilter()
@@ -106,12 +108,12 @@ class TargetDialog(QtWidgets.QFileDialog):
         return path.with_name(path.name + kind.suffix)
 
     def accept(self) -> None:
-        """Ask whether a file that is there is to be replaced; stay if not."""
+        """Ask before a file is replaced; stay open if that is declined."""
         named = self.selectedFiles()
         if named and not answers(named[0]):
             folder = os.path.dirname(named[0])
-            told = say("“{folder}” does not answer; choose another folder", folder=folder)
-            ask(self, told, warns=True)
+            message = say("“{folder}” does not answer; choose another folder", folder=folder)
+            ask(self, message, warns=True)
             return
         if not named or Path(named[0]).is_dir():
             super().accept()
@@ -124,18 +126,13 @@ class TargetDialog(QtWidgets.QFileDialog):
 
 
 def _suffix(name: str, kinds: Sequence[FileKind]) -> str | None:
-    """The longest known suffix of a name."""
-    found = [k.suffix for k in kinds if name.lower().endswith(k.suffix)]
-    return max(found, key=len, default=None)
-
-
-def _without(name: str, kinds: Sequence[FileKind]) -> str:
-    suffix = _suffix(name, kinds)
-    return name if suffix is None else name[: -len(suffix)]
+    """Return the longest known suffix of a name."""
+    suffixes = [k.suffix for k in kinds if name.lower().endswith(k.suffix)]
+    return max(suffixes, key=len, default=None)
 
 
 def _may_replace(parent: QtWidgets.QWidget, path: Path) -> bool:
-    """Ask whether a file is to be replaced; of a link, also where it leads."""
+    """Ask whether a file may be replaced, naming also a link's target."""
     name = f"{path.name} → {os.path.realpath(path)}" if path.is_symlink() else path.name
     answer = ask(
         parent, say("“{name}” exists. Replace it?", name=name), destroy=say("Replace"), warns=True
@@ -150,7 +147,7 @@ def ask_target(
     kinds: Sequence[FileKind],
     preferred: str = "",
 ) -> Path | None:
-    """Ask where to write; None: nowhere. What it returns may be replaced; see `TargetDialog`."""
+    """Ask where to write; None if cancelled. The file returned may be replaced."""
     dialog = TargetDialog(parent, title, start, kinds, preferred)
     accepted = dialog.exec()
     dialog.deleteLater()
@@ -158,16 +155,16 @@ def ask_target(
 
 
 # ---- Where ---------------------------------------------------------------------------------------
-# Where something is to be written: asked under the painting's name, where was written last.
+# Proposes the painting's name, in the folder that was written to last.
 
 
 class Targets:
-    """Asks under which name and where files are written.
+    """Asks for the names and folders of files to write.
 
     Attributes
     ----------
     folder : Path or None
-        Where was written last.
+        Written to last.
     """
 
     def __init__(self, workspace: Workspace) -> None:
@@ -175,7 +172,7 @@ class Targets:
         self.folder: Path | None = None
 
     def ask(self, title: str, names: Mapping[str, str], preferred: str = "") -> Path | None:
-        """Ask where to write; None if nowhere.
+        """Ask where to write; None if cancelled.
 
         A painting without a file of its own is proposed under a name that is free.
 
@@ -183,7 +180,7 @@ class Targets:
         ----------
         title : str
         names : mapping
-            What a format is called, by its suffix.
+            Names of formats by their suffix.
         preferred : str
             The suffix that is chosen at first.
         """
@@ -193,7 +190,7 @@ class Targets:
         suffix = preferred if preferred in names else next(iter(names))
         start = (self.folder or beside) / f"{stem}{suffix}"
         if painting.path is None and answers(start.parent):
-            start = _free(start, suffix)
+            start = _free_path(start, suffix)
         kinds = [FileKind(say(name), suffix) for suffix, name in names.items()]
         path = ask_target(self._workspace.window, title.rstrip("…"), start, kinds, suffix)
         if path is not None:
@@ -201,8 +198,8 @@ class Targets:
         return path
 
 
-def _free(path: Path, suffix: str) -> Path:
-    """That path, or the first with a number behind its name that no file has."""
+def _free_path(path: Path, suffix: str) -> Path:
+    """Return that path, or the first with a number behind its name that no file has."""
     names = (f"{path.name.removesuffix(suffix)} {k}{suffix}" for k in count(2))
     paths = (path.with_name(name) for name in names)
     return path if not os.path.lexists(path) else next(p for p in paths if not os.path.lexists(p))

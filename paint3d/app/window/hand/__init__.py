@@ -1,1 +1,1 @@
-"""What the hand does over the picture: pens, mice, fingers, keys and devices."""
+"""Input by the hand over the picture: pens, mice, fingers, keys and devices."""

@@ -27,7 +27,7 @@ __all__ = [
 ]
 
 # ---- Touches -------------------------------------------------------------------------------------
-# Mouse and tablet events as one kind of reading, whatever they came from.
+# Mouse, pen and finger events as readings of one kind.
 
 
 _LEAST_MM, _LIGHT_MM, _FIRM_MM = 2.0, 4.0, 16.0  # across the contact of a fingertip
@@ -37,7 +37,7 @@ _LEFT = QtCore.Qt.MouseButton.LeftButton
 
 @dataclass(frozen=True)
 class Touch:
-    """Where a mouse or pen is, and how it is held.
+    """A position of a mouse, a pen or a finger, and how it is held.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class Touch:
     pressure : float or None
         0 to 1; None from a mouse, and from a finger on a screen that does not say.
     tilt_x, tilt_y : float
-        How far the pen leans to the right and toward the user, rad; 0 upright.
+        Lean of the pen to the right and toward the user, rad; 0 upright.
     twist : float
         About its axis, rad.
     down : bool
@@ -72,31 +72,31 @@ class Touch:
 
 
 def touch_of_mouse(event: QtGui.QMouseEvent, time_ns: int) -> Touch:
-    """What a mouse says."""
-    place = event.position()
+    """Return a mouse event as a touch."""
+    position = event.position()
     down = bool(event.buttons() & _LEFT)
     bends = bool(event.modifiers() & QtCore.Qt.KeyboardModifier.ShiftModifier)
-    return Touch(time_ns, place.x(), place.y(), down=down, bends=bends)
+    return Touch(time_ns, position.x(), position.y(), down=down, bends=bends)
 
 
 def pressure_of_contact(
     point: QtGui.QEventPoint, can: QtGui.QInputDevice.Capability, px_per_mm: float
 ) -> float | None:
-    """How hard a finger presses, 0 to 1, by how large its contact is.
+    """Return a finger's pressure, 0 to 1, by the size of its contact.
 
     Parameters
     ----------
     point : QEventPoint
     can : QInputDevice.Capability
-        What the screen says of fingers.
+        What the screen reports of fingers.
     px_per_mm : float
         Of the picture's pixels.
 
     Returns
     -------
     float or None
-        4 mm across is 0, 16 mm is 1. By the screen's own pressure where it has no size; None where
-        it has neither, or says what no fingertip is.
+        4 mm across is 0, 16 mm is 1. A screen without sizes gives its own pressure; None if it has
+        neither, or reports a size of no fingertip.
     """
     size = point.ellipseDiameters()
     across = math.sqrt(max(0.0, size.width() * size.height())) / max(px_per_mm, 1e-6)
@@ -108,14 +108,14 @@ def pressure_of_contact(
 
 
 def touch_of_tablet(event: QtGui.QTabletEvent, time_ns: int) -> Touch:
-    """What a pen says; a pressure outside 0 to 1 is clipped."""
-    place = event.position()
+    """Return a pen's event as a touch; a pressure outside 0 to 1 is clipped."""
+    position = event.position()
     pressure = min(max(0.0, event.pressure()), 1.0)  # in this order NaN becomes 0
     is_release = event.type() == QtCore.QEvent.Type.TabletRelease  # of any button, and maybe stale
     return Touch(
         time_ns,
-        place.x(),
-        place.y(),
+        position.x(),
+        position.y(),
         pressure,
         math.radians(event.xTilt()),
         math.radians(event.yTilt()),
@@ -132,7 +132,7 @@ WRITING = (QtWidgets.QLineEdit, QtWidgets.QAbstractSpinBox, QtWidgets.QPlainText
 """Widgets that want every key for themselves."""
 
 _MM_PER_INCH = 25.4
-_S = 1_000_000_000  # ns; as by the events' own times, however late they are handed over:
+_S = 1_000_000_000  # ns; all of these by the events' own times, however late they arrive:
 _PEN_LEFT_NS = 600 * _S  # for so long after a pen was seen, a finger alone does not paint
 _PALM_NS = _S // 5  # for so long after a pen was seen, what touches is the hand that holds it
 _STRAY_NS = _S // 10  # so shortly before or after a pen's touch, a mouse's is made up by its driver
@@ -145,7 +145,7 @@ _ERASER = QtGui.QPointingDevice.PointerType.Eraser
 
 @dataclass(frozen=True)
 class Drag:
-    """Where a drag that steers the view is, pixels, y down, and the action by which it steers."""
+    """A drag that steers the view: its action, and its position, pixels, y down."""
 
     mode: str
     x: float
@@ -153,7 +153,7 @@ class Drag:
 
 
 class CanvasWidget(QtWidgets.QWidget):
-    """Shows pixels; tells what pen, mouse, fingers and wheel do.
+    """Shows pixels; emits what pen, mouse, fingers and wheel do.
 
     Signals
     -------
@@ -171,19 +171,19 @@ class CanvasWidget(QtWidgets.QWidget):
         The pointer has gone out of the picture.
     resized : ()
     dropped : str
-        A file was let fall here.
+        A file was dropped here.
     untimed : ()
-        A pen gives no times of its own: the first time that this is found.
+        A pen gives no times of its own; emitted once.
     misread : ()
-        A pen gives a pressure outside 0 to 1: the first time that this is found.
+        A pen gives a pressure outside 0 to 1; emitted once.
 
     Attributes
     ----------
     mode_at : callable
-        Given x, y and the keys that are held; returns how a drag that begins there steers, or None
-        if it paints.
+        Given x, y and the modifier keys; returns the mode of a drag that begins there, or None if
+        it paints.
     grip_at : callable
-        Given x and y; whether there is something to take hold of that is no place to paint.
+        Given x and y; returns whether there is a handle to drag, where the brush does not paint.
     tool : callable or None
         Is given each `Touch` first, from whatever hand, and returns whether it was for itself: then
         nothing is painted until that hand is lifted. While there is one, one finger is always such
@@ -193,7 +193,7 @@ class CanvasWidget(QtWidgets.QWidget):
     pen_seen_ns : int or None
         When a pen was here last.
     pixels : (H, W, 4) uint8 or None
-        What is shown, the first row at the top.
+        The picture, the first row at the top.
     """
 
     touched = QtCore.Signal(object)
@@ -249,7 +249,7 @@ class CanvasWidget(QtWidgets.QWidget):
 
     @property
     def is_steering(self) -> bool:
-        """Whether a drag goes on that turns or moves the view."""
+        """True during a drag that turns or moves the view."""
         return self._mode is not None
 
     def show_pixels(self, pixels: AnyArray, changed: Box | None = None) -> None:
@@ -259,7 +259,7 @@ class CanvasWidget(QtWidgets.QWidget):
         ----------
         pixels : (H, W, 4) uint8
         changed : Box, optional
-            Where they are others than those shown before; None: anywhere.
+            The part that differs from the picture before; None: all.
         """
         before = self._image
         self.pixels = np.ascontiguousarray(pixels[::-1])
@@ -274,7 +274,7 @@ class CanvasWidget(QtWidgets.QWidget):
         box = QtCore.QRectF(x0, height / ratio - y1, x1 - x0, y1 - y0).toAlignedRect()
         self.update(box.adjusted(-1, -1, 1, 1))  # the widget may begin between two pixels
 
-    # -- what Qt calls ----------------------------------------------------------------------
+    # -- Qt's calls -------------------------------------------------------------------------
 
     def paintEvent(self, event: QtGui.QPaintEvent) -> None:
         """Paint the picture, and what lies over it."""
@@ -308,7 +308,7 @@ class CanvasWidget(QtWidgets.QWidget):
         painter.restore()
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
-        """Have it drawn at the new size."""
+        """Ask for a picture of the new size."""
         super().resizeEvent(event)
         self.resized.emit()
 
@@ -331,15 +331,15 @@ class CanvasWidget(QtWidgets.QWidget):
         event.accept()
         if self._mode is not None or self._mouse_down or self._pen_down or self._finger_down:
             return  # one thing after the other
-        place = event.position()
+        position = event.position()
         time_ns = self._time_ns("mouse", event, handled)
         pressed = handled if "mouse" in self._clock.untimed else time_ns  # not evened out
         if self._was_just(self._pen_touched_ns, pressed, _STRAY_NS):
             return
         self._pressed_ns = pressed
-        mode = _mode_of(event) or self.mode_at(place.x(), place.y(), event.modifiers())
+        mode = _steering_mode(event) or self.mode_at(position.x(), position.y(), event.modifiers())
         if mode is not None:
-            self._begin(mode, "mouse", place)
+            self._begin(mode, "mouse", position)
         else:
             self._mouse_down = True
             self._touch(touch_of_mouse(event, time_ns))
@@ -349,12 +349,12 @@ class CanvasWidget(QtWidgets.QWidget):
         handled = time.perf_counter_ns()
         event.accept()
         self._take_focus()
-        place = event.position()
+        position = event.position()
         self._mouse_down = self._mouse_down and bool(event.buttons() & _BUTTON.LeftButton)
         if self._by == "mouse":
-            self._go_on(place)
+            self._go_on(position)
         elif self._mouse_down or not (self._pen_down or self._finger_down or self._mode):
-            if not self._mouse_down and self.grip_at(place.x(), place.y()):
+            if not self._mouse_down and self.grip_at(position.x(), position.y()):
                 self.left.emit()
             else:
                 touch = touch_of_mouse(event, self._time_ns("mouse", event, handled))
@@ -373,18 +373,18 @@ class CanvasWidget(QtWidgets.QWidget):
             self._touch(touch_of_mouse(event, time_ns))
 
     def _time_ns(self, kind: str, event: QtGui.QPointerEvent, handled: int) -> int:
-        """When an event happened that was handed over at `handled`, ns."""
+        """Return the time of an event that was handed over at `handled`, ns."""
         known = len(self._clock.untimed)
         painting = self._pen_down or self._mouse_down or self._finger_down
         if kind == "touch":
             painting = event.type() != _KIND.TouchBegin
-        found = self._clock.time_ns(kind, event.timestamp(), handled, painting)
+        when_ns = self._clock.time_ns(kind, event.timestamp(), handled, painting)
         if kind == "pen" and len(self._clock.untimed) > known:
             self.untimed.emit()
-        return found
+        return when_ns
 
     def _take_focus(self) -> None:
-        """Have the keys from a button that was clicked, once the pointer is back."""
+        """Take the focus from a button that was clicked, once the pointer is back."""
         focus = QtWidgets.QApplication.focusWidget()
         if focus is not self and self.isActiveWindow() and not isinstance(focus, WRITING):
             self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
@@ -398,21 +398,25 @@ class CanvasWidget(QtWidgets.QWidget):
         self._take_focus()
         self._pen_handled_ns = handled
         time_ns = self.pen_seen_ns = self._time_ns("pen", event, handled)
-        self._look_at_pressure(event.pressure())
-        place = event.position()
-        if self._by == "pen":
+        is_pressure = -_PRESSURE_SLACK <= event.pressure() <= 1.0 + _PRESSURE_SLACK
+        if not (self._has_misread or is_pressure):
+            self._has_misread = True
+            self.misread.emit()
+        position = event.position()
+        if self._by == "pen":  # steering, until tip and buttons are released
             self._pen_touched_ns = time_ns
-            self._steer_with_pen(event)
+            is_over = event.type() == _KIND.TabletRelease and not event.buttons()
+            (self._end if is_over else self._go_on)(position)
             return
         if event.type() == _KIND.TabletPress and not self._pen_down:
-            self._take_over(time_ns, place)
+            self._take_over(time_ns, position)
             self._pen_touched_ns = time_ns
             self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
-            mode = _mode_of_pen(event)
+            mode = _pen_steering_mode(event)
             if mode is None and event.pointerType() != _ERASER:
-                mode = self.mode_at(place.x(), place.y(), event.modifiers())
+                mode = self.mode_at(position.x(), position.y(), event.modifiers())
             if mode is not None:
-                self._begin(mode, "pen", place)
+                self._begin(mode, "pen", position)
                 return
         touch = touch_of_tablet(event, time_ns)
         was_down = self._pen_down
@@ -421,44 +425,33 @@ class CanvasWidget(QtWidgets.QWidget):
         if touch.down or was_down:
             self._pen_touched_ns = time_ns
             self._touch(touch)  # a stroke ends on a grip, too
-        elif not self.grip_at(place.x(), place.y()):
+        elif not self.grip_at(position.x(), position.y()):
             self._touch(touch)
         else:
             self.left.emit()
 
-    def _look_at_pressure(self, pressure: float) -> None:
-        """Tell once that a pen's pressure is none."""
-        if not (self._has_misread or -_PRESSURE_SLACK <= pressure <= 1.0 + _PRESSURE_SLACK):
-            self._has_misread = True
-            self.misread.emit()
-
-    def _take_over(self, time_ns: int, place: QtCore.QPointF) -> None:
-        """Let a pen that comes down have the picture: what mouse or finger do ends there.
+    def _take_over(self, time_ns: int, position: QtCore.QPointF) -> None:
+        """Give the picture to a pen that comes down: what mouse or finger do ends there.
 
         What they began just before is taken back: a mouse's press was made up by the pen's driver,
         a finger's was the hand that holds the pen.
         """
         if self._by:
-            self._end(place)
+            self._end(position)
         if self._mouse_down or self._finger_down:
             self._mouse_down = self._finger_down = False
             if self._had_by is None and time_ns - self._pressed_ns < _STRAY_NS:
                 self._is_down = False
                 self.taken_back.emit()
             else:
-                self._touch(Touch(time_ns, place.x(), place.y()))
+                self._touch(Touch(time_ns, position.x(), position.y()))
         self._fingers.cancel(time_ns)
         self._palm = True  # until all fingers are lifted
-
-    def _steer_with_pen(self, event: QtGui.QTabletEvent) -> None:
-        """Steer until tip and buttons are let go of."""
-        over = event.type() == _KIND.TabletRelease and not event.buttons()
-        (self._end if over else self._go_on)(event.position())
 
     # -- fingers ----------------------------------------------------------------------------
 
     def _take_fingers(self, event: QtGui.QTouchEvent) -> None:
-        """Hear what fingers mean, unless they belong to the hand that holds the pen."""
+        """Follow fingers, unless they belong to the hand that holds the pen."""
         now = self._time_ns("touch", event, time.perf_counter_ns())
         if event.type() == _KIND.TouchBegin:
             self._palm = self._pen_down or self._saw_pen(now, _PALM_NS)
@@ -467,31 +460,31 @@ class CanvasWidget(QtWidgets.QWidget):
         fingers = [point for point in event.points() if point.state() != _RELEASED]
         if len(fingers) == 1:
             can = event.pointingDevice().capabilities()
-            fine = self.screen().physicalDotsPerInch() / _MM_PER_INCH
-            self._finger_pressure = pressure_of_contact(fingers[0], can, fine)
+            px_per_mm = self.screen().physicalDotsPerInch() / _MM_PER_INCH
+            self._finger_pressure = pressure_of_contact(fingers[0], can, px_per_mm)
         if event.type() == _KIND.TouchCancel:
-            said = self._fingers.cancel(now)
+            meanings = self._fingers.cancel(now)
         else:
-            places = {p.id(): (p.position().x(), p.position().y()) for p in fingers}
-            said = self._fingers.follow(now, places)
-        for one in said:
+            positions = {p.id(): (p.position().x(), p.position().y()) for p in fingers}
+            meanings = self._fingers.follow(now, positions)
+        for one in meanings:
             self._do_fingers(one)
 
     def _do_fingers(self, meant: Meaning) -> None:
         if meant.kind in ("turn", "pinch", "tap"):
             self.gestured.emit(meant)
             return
-        place = QtCore.QPointF(meant.x, meant.y)
+        position = QtCore.QPointF(meant.x, meant.y)
         if meant.kind == "press":
             self.setFocus(QtCore.Qt.FocusReason.MouseFocusReason)
             mode = self.mode_at(meant.x, meant.y, _KEY.NoModifier)
             if mode is None and not self._finger_paints(meant.time_ns):
                 mode = "orbit"
             if mode is not None:
-                self._begin(mode, "finger", place)
+                self._begin(mode, "finger", position)
                 return
         if self._by == "finger":
-            (self._go_on if meant.kind == "move" else self._end)(place)
+            (self._go_on if meant.kind == "move" else self._end)(position)
         elif meant.kind == "cancel":
             self._finger_down = self._is_down = False
             self.taken_back.emit()
@@ -512,11 +505,11 @@ class CanvasWidget(QtWidgets.QWidget):
         return not self._saw_pen(time_ns, _PEN_LEFT_NS)
 
     def _saw_pen(self, time_ns: int, within_ns: int) -> bool:
-        """Whether a pen was here so shortly before."""
+        """Return whether a pen was here so shortly before."""
         return self._was_just(self.pen_seen_ns, time_ns, within_ns)
 
     def _was_just(self, pen_ns: int | None, time_ns: int, within_ns: int) -> bool:
-        """Whether the pen did something so shortly before, by its event's time.
+        """Return whether the pen did something so shortly before, by its event's time.
 
         Where a pen's times lie ahead, all that others do seems to follow at once; not later than a
         picture takes after the pen's last event was handed over.
@@ -525,9 +518,9 @@ class CanvasWidget(QtWidgets.QWidget):
         return pen_ns is not None and time_ns - pen_ns < within_ns and waited_ns < within_ns + _S
 
     def _take_native(self, event: QtGui.QNativeGestureEvent) -> bool:
-        """Fingers on a touch pad: pinch and roll."""
-        kind, place = event.gestureType(), event.position()
-        at = time.perf_counter_ns(), place.x(), place.y()
+        """Take fingers on a touch pad, which pinch and roll; return whether they did."""
+        kind, position = event.gestureType(), event.position()
+        at = time.perf_counter_ns(), position.x(), position.y()
         if kind == QtCore.Qt.NativeGestureType.ZoomNativeGesture:
             self.gestured.emit(Meaning("pinch", *at, factor=max(0.1, 1.0 + event.value())))
         elif kind == QtCore.Qt.NativeGestureType.RotateNativeGesture:
@@ -539,7 +532,7 @@ class CanvasWidget(QtWidgets.QWidget):
     # -- tools ------------------------------------------------------------------------------
 
     def take_up(self, tool: Callable[[Touch], bool], put_down: Callable[[], None]) -> None:
-        """Let a tool have the touches; one that had them before is put down.
+        """Give the touches to a tool; one that had them before is put down.
 
         Parameters
         ----------
@@ -553,14 +546,14 @@ class CanvasWidget(QtWidgets.QWidget):
         self.tool, self._put_down = tool, put_down
 
     def lay_down(self, tool: Callable[[Touch], bool]) -> None:
-        """Let the brush have the touches again, if this tool has them."""
+        """Give the touches back to the brush, if this tool has them."""
         if self.tool == tool:
             self.tool = None
 
     def _touch(self, touch: Touch) -> None:
         """Hand a pen's, a mouse's or a finger's touch to the tool, or let it paint.
 
-        Until it is lifted it is for whom it came down, whatever is taken up or laid down meanwhile.
+        Until it is lifted it belongs to the one it came down for, whatever is taken up meanwhile.
         """
         if not self._is_down:
             tool = self.tool
@@ -573,35 +566,35 @@ class CanvasWidget(QtWidgets.QWidget):
 
     # -- steering ---------------------------------------------------------------------------
 
-    def _begin(self, mode: str, by: str, place: QtCore.QPointF) -> None:
+    def _begin(self, mode: str, by: str, position: QtCore.QPointF) -> None:
         self._mode, self._by = mode, by
-        self.steered.emit("begin", Drag(mode, place.x(), place.y()))
+        self.steered.emit("begin", Drag(mode, position.x(), position.y()))
 
     @property
     def _steering(self) -> str:
         assert self._mode is not None, "a drag goes on"
         return self._mode
 
-    def _go_on(self, place: QtCore.QPointF) -> None:
-        self.steered.emit("move", Drag(self._steering, place.x(), place.y()))
+    def _go_on(self, position: QtCore.QPointF) -> None:
+        self.steered.emit("move", Drag(self._steering, position.x(), position.y()))
 
-    def _end(self, place: QtCore.QPointF) -> None:
+    def _end(self, position: QtCore.QPointF) -> None:
         mode, self._mode, self._by = self._steering, None, ""
-        self.steered.emit("end", Drag(mode, place.x(), place.y()))
+        self.steered.emit("end", Drag(mode, position.x(), position.y()))
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
-        """Come nearer."""
-        place = event.position()
-        self.wheeled.emit(event.angleDelta().y() / 120.0, place.x(), place.y())
+        """Emit the wheel's notches."""
+        position = event.position()
+        self.wheeled.emit(event.angleDelta().y() / 120.0, position.x(), position.y())
         event.accept()
 
     def leaveEvent(self, event: QtCore.QEvent) -> None:
-        """Take the brush out of the picture."""
+        """Emit that the pointer has left."""
         super().leaveEvent(event)
         self.left.emit()
 
     def dragEnterEvent(self, event: QtGui.QDragEnterEvent) -> None:
-        """Take files."""
+        """Accept a single file."""
         urls = event.mimeData().urls()
         if len(urls) == 1 and urls[0].isLocalFile():
             event.acceptProposedAction()
@@ -612,8 +605,8 @@ class CanvasWidget(QtWidgets.QWidget):
         event.acceptProposedAction()
 
 
-def _mode_of(event: QtGui.QMouseEvent) -> str | None:
-    """How buttons and keys of the mouse steer, if they do."""
+def _steering_mode(event: QtGui.QMouseEvent) -> str | None:
+    """Return the mode by which a mouse's buttons and keys steer; None if they do not."""
     keys, button = event.modifiers(), event.button()
     if button == _BUTTON.RightButton:
         return "dolly"
@@ -624,8 +617,8 @@ def _mode_of(event: QtGui.QMouseEvent) -> str | None:
     return "orbit" if keys & _KEY.AltModifier or button != _BUTTON.LeftButton else None
 
 
-def _mode_of_pen(event: QtGui.QTabletEvent) -> str | None:
-    """How the buttons of a pen steer, which Qt counts as right and middle; or Alt."""
+def _pen_steering_mode(event: QtGui.QTabletEvent) -> str | None:
+    """Return the mode of a pen's buttons, which Qt counts as right and middle, or of Alt."""
     if event.buttons() & _BUTTON.MiddleButton:
         return "pan"
     turns = event.buttons() & _BUTTON.RightButton or event.modifiers() & _KEY.AltModifier

@@ -24,17 +24,17 @@ from paint3d.view.camera import Camera, View, fit_camera, is_flat, picture_axes,
 __all__ = ["ADJUSTED", "CanvasHand"]
 
 ADJUSTED = frozenset({"size", "force", "water", "lamp"})
-"""What a drag changes while its key is held."""
+"""Names of what a drag changes while a key is down."""
 
 _SIZE_A_PIXEL = 1.006  # growth of the brush a pixel of a drag with F
 _FORCE_A_PIXEL = 0.02  # N a pixel of a drag with Shift+F
 _FIRST_VIEW = View((0.12, -1.0, 0.62))
 _FLAT_VIEW = np.array([0.0, -0.45, 1.0])  # in the sheet's own axes
-_BENDS_PX = 6.0  # a motion that tells whither the tuft is to bend
-_CLOSE = 0.75  # tuft lengths that are seen all round of what is under the pointer
+_BENDS_PX = 6.0  # a motion that gives the direction of the tuft's bend
+_CLOSE = 0.75  # tuft lengths that are seen around the point under the pointer
 _LEAST_SEEN_MM, _MOST_OBJECTS = 0.5, 10.0  # a picture is as high at least, and as high at most
 _AT = 1.0 + 1e-6
-_HIDDEN_MM = 1.0  # that what is seen may lie before a place that is seen, too
+_HIDDEN_MM = 1.0  # that the object may lie before a point that still counts as seen
 _STAYS_PX = 6.0  # that a pointer moves which stays where it was
 
 
@@ -44,13 +44,13 @@ class CanvasHand(QtCore.QObject):
     Signals
     -------
     sized : float
-        The brush is to be so many times as large.
+        Factor by which the brush is to be larger.
     watered : float
         Pixels of a drag by which its ink is to be lighter.
     lamp_turned : float
         Pixels of a drag by which the lamp is turned to the right.
     began : ()
-        Of a stroke, before the painting thread hears of it.
+        A stroke begins; emitted before it is posted to the painting thread.
     ended : Future
         Of `end_stroke`, by which the painting thread ends it.
     """
@@ -74,12 +74,12 @@ class CanvasHand(QtCore.QObject):
         self.adjusted = False
         self.erases = False  # whatever end of the pen
         self._surface: ClosestPoints | None = None
-        self._place: Touch | None = None
+        self._last_touch: Touch | None = None
         self._spent = False  # a stroke was taken back whose pen is still down
         self._notches = 0.0
         self._under: tuple[float, float] | None = None  # where the brush is in a stroke, pixels
         self._bends_from: tuple[float, float] | None = None  # and since the mouse turns its bend
-        self._bend: AnyArray | None = None  # whither its tip was told to point, object's frame
+        self._bend: AnyArray | None = None  # direction that its tip is to point in, object's frame
         self._aside = (0.0, 0.0)  # pixels from the pointer to the brush that turned in place
         self._near: tuple[Camera, Touch, float] | None = None  # what `show_place` did last
         canvas.touched.connect(self.touch)
@@ -106,11 +106,11 @@ class CanvasHand(QtCore.QObject):
 
     @property
     def force(self) -> float:
-        """How hard a mouse presses, N."""
+        """Force of a mouse, N."""
         return self._first_force if self.hand is None else self.hand.force
 
     def set_force(self, newtons: float) -> None:
-        """Have a mouse press so hard, as far as a brush can be pressed."""
+        """Set a mouse's force, as far as a brush can be pressed."""
         self._first_force = min(MAX_FORCE_N, max(0.0, newtons))
         if self.hand is not None:
             self.hand.force = self._first_force
@@ -122,18 +122,18 @@ class CanvasHand(QtCore.QObject):
         self._surface = surface
         self.hand = Hand(surface, self.settings, self.force)
         self.in_stroke = self._spent = False
-        self._place = None
+        self._last_touch = None
         self._canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
         self.show_all()
 
     def set_settings(self, **changes: Any) -> None:
-        """Read the hand otherwise; see `HandSettings`."""
+        """Change how the hand is read; see `HandSettings`."""
         self.settings = dataclasses.replace(self.settings, **changes)
         if self.hand is not None:
             self.hand.settings = self.settings
 
     def show_all(self) -> None:
-        """See the whole object, from where it is painted best."""
+        """Show the whole object, from where it is painted best."""
         points = self._stage.points
         view = _FIRST_VIEW
         if is_flat(points):
@@ -143,14 +143,14 @@ class CanvasHand(QtCore.QObject):
         self._whole = self.camera
 
     def _resized(self) -> None:
-        """Go on showing the whole object, where nobody has painted or looked elsewhere since."""
+        """Show the whole object again, unless the user has painted or moved the view since."""
         if self.camera is not None and self.camera is self._whole:
             self.show_all()
 
     def show_place(self) -> None:
-        """See what is under the pointer from near; asked again where it stays, do nothing."""
-        found, touch = self.place(), self._place
-        if found is None or touch is None:
+        """Show the point under the pointer from near; asked again there, do nothing."""
+        point, touch = self.place(), self._last_touch
+        if point is None or touch is None:
             return
         radius = _CLOSE * self._stage.open_paint_thread.brush.length_mm
         if self._near is not None:
@@ -158,37 +158,37 @@ class CanvasHand(QtCore.QObject):
             moved = math.hypot(touch.x - at.x, touch.y - at.y)
             if (self.camera, radius) == (camera, seen) and moved <= _STAYS_PX:
                 return  # by now something else is under the pointer
-        self.look(navigation.approach(self.open_camera, found, radius, self._aspect()))
+        self.look(navigation.approach(self.open_camera, point, radius, self._aspect()))
         self._near = self.open_camera, touch, radius
 
     def look_from(self, side: str) -> None:
-        """See the whole object from one of `navigation.SIDES`."""
+        """Show the whole object from one of `navigation.SIDES`."""
         view = View(*navigation.SIDES[side])
         self.look(fit_camera(self._stage.points, view, self._aspect()))
 
     def look(self, camera: Camera) -> None:
-        """Look from there, as near as a vertex and as far as ten objects."""
+        """Move the camera, no nearer than a vertex and no farther than ten objects."""
         camera = self._within_reach(camera)
         self.camera = camera
         self._stage.set_camera(camera)
 
     def _within_reach(self, camera: Camera) -> Camera:
-        """The camera, no nearer and no farther than there is something to see."""
+        """Return the camera, no nearer and no farther than there is something to see."""
         points = self._stage.points
         if not len(points):
             return camera
-        away = float(np.linalg.norm(camera.position - camera.focus))
+        distance = float(np.linalg.norm(camera.position - camera.focus))
         tall = 2.0 * math.tan(0.5 * camera.view_angle)  # of what is seen, over the distance
         size = float(np.linalg.norm(np.ptp(points, axis=0)))
         nearest, farthest = _LEAST_SEEN_MM / tall, _MOST_OBJECTS * size / tall
-        if nearest <= away <= farthest:
+        if nearest <= distance <= farthest:
             return camera
         before = self.camera
         if before is not None:  # further in the same way nothing moves
             was = float(np.linalg.norm(before.position - before.focus))
-            if (away < nearest and was <= nearest * _AT) or (away > farthest <= was * _AT):
+            if (distance < nearest and was <= nearest * _AT) or (distance > farthest <= was * _AT):
                 return before
-        return navigation.dolly(camera, away / min(max(away, nearest), farthest))
+        return navigation.dolly(camera, distance / min(max(distance, nearest), farthest))
 
     def _aspect(self) -> float:
         return self._canvas.width() / max(1, self._canvas.height())
@@ -202,19 +202,23 @@ class CanvasHand(QtCore.QObject):
             self._notches += notches
         return self.in_stroke
 
-    def meets(self, places: AnyArray) -> NDArray[np.bool_]:
-        """(N,) bool: whether the object is seen at places (N, 2) of the picture, pixels."""
+    def meets(self, points: AnyArray) -> NDArray[np.bool_]:
+        """Return (N,) bool: whether the object is seen at points (N, 2) of the picture, pixels."""
         assert self._surface is not None, "something is open"
-        rays = [navigation.ray_at(self.open_camera, x, y, self._size()) for x, y in places]
+        rays = [navigation.ray_at(self.open_camera, x, y, self._size()) for x, y in points]
         origins = np.array([ray.origin for ray in rays])
         return self._surface.cast(origins, np.array([ray.direction for ray in rays])).hit
 
     def place(self) -> AnyArray | None:
-        """(3,) the place on the object under the pointer, or None."""
-        return None if self._place is None else self.place_at(self._place.x, self._place.y)
+        """Return the point (3,) of the object under the pointer, or None."""
+        return (
+            None
+            if self._last_touch is None
+            else self.place_at(self._last_touch.x, self._last_touch.y)
+        )
 
     def place_at(self, x: float, y: float) -> AnyArray | None:
-        """(3,) the place on the object at a place in the picture (pixels, y down), or None."""
+        """Return the object's point (3,) at a point of the picture (pixels, y down), or None."""
         if self._surface is None:
             return None
         ray = navigation.ray_at(self.open_camera, x, y, self._size())
@@ -222,11 +226,11 @@ class CanvasHand(QtCore.QObject):
         return hits.points[0] if hits.hit[0] else None
 
     def ray_at(self, x: float, y: float) -> navigation.Ray:
-        """The ray of sight through a place in the picture (pixels, y down)."""
+        """Return the ray of sight through a point of the picture (pixels, y down)."""
         return navigation.ray_at(self.open_camera, x, y, self._size())
 
     def sees(self, points: AnyArray) -> NDArray[np.bool_]:
-        """(N,) bool: whether nothing of the object lies before points (N, 3) of it, mm."""
+        """Return (N,) bool: whether nothing of the object lies before points (N, 3) of it, mm."""
         eye = self.open_camera.position
         away = points - eye
         far = np.linalg.norm(away, axis=1)
@@ -235,17 +239,17 @@ class CanvasHand(QtCore.QObject):
         return seen | ~hits.hit
 
     def pixels_of(self, points: AnyArray) -> AnyArray:
-        """Where points (N, 3), mm, are in the picture: (N, 2) pixels, y down."""
+        """Project points (N, 3), mm, onto the picture: (N, 2) pixels, y down."""
         return navigation.pixels_of(self.open_camera, points, self._size())
 
     # -- the brush --------------------------------------------------------------------------
 
     def touch(self, touch: Touch) -> None:
-        """Follow the pen or mouse: paint while it is down, else show where it would."""
+        """Follow the pen or mouse: paint while it is down, else show the brush there."""
         paint_thread = self._stage.paint_thread
         if paint_thread is None or self.camera is None:
             return
-        before, self._place = self._place, touch
+        before, self._last_touch = self._last_touch, touch
         self._spent = self._spent and touch.down
         if self._spent:
             return
@@ -267,9 +271,9 @@ class CanvasHand(QtCore.QObject):
                 paint_thread.hover(sample)
 
     def _bent(self, touch: Touch) -> Touch:
-        """The touch under the brush: with Shift the mouse turns the bend, and the brush stays.
+        """Return the touch of the brush: with Shift the mouse turns its bend, and it stays.
 
-        The way that the pointer went meanwhile stays between them until the stroke ends.
+        The pointer's motion meanwhile remains an offset between them until the stroke ends.
         """
         if not self.in_stroke:
             self._under, self._bends_from, self._bend, self._aside = None, None, None, (0.0, 0.0)
@@ -293,7 +297,7 @@ class CanvasHand(QtCore.QObject):
         return replace(touch, x=x, y=y)
 
     def _adjust(self, pixels: float) -> None:
-        """Change what a held key says by a drag."""
+        """Change by a drag what a key that is down names."""
         self.adjusted = True
         if "size" in self.held:
             self.sized.emit(_SIZE_A_PIXEL**pixels)
@@ -335,7 +339,7 @@ class CanvasHand(QtCore.QObject):
         paint_thread.feed(samples)
 
     def lift(self, event: PointerInput | None = None) -> None:
-        """End the stroke that is going on, where the pen was lifted if it says."""
+        """End the current stroke, where the pen was lifted if that is known."""
         if not self.in_stroke:
             return
         self.in_stroke = False
@@ -344,29 +348,31 @@ class CanvasHand(QtCore.QObject):
         self.ended.emit(paint_thread.post("end_stroke"))
 
     def _end_in_hand(self, event: PointerInput | None = None) -> list[DeviceSample]:
-        """Let the hand end the stroke where the pointer was last; what is still to be painted."""
-        assert self._place is not None, "a stroke goes on"
-        return self._open_hand.end(self._place.time_ns, self._stage.open_paint_thread.brush, event)
+        """End the hand's stroke where the pointer was last; return samples still to be painted."""
+        assert self._last_touch is not None, "a stroke goes on"
+        return self._open_hand.end(
+            self._last_touch.time_ns, self._stage.open_paint_thread.brush, event
+        )
 
     def interrupt(self) -> None:
-        """End the stroke that is going on where it is; a pen that stays down begins none."""
+        """End the current stroke where it is; a pen that stays down begins no other."""
         if self.in_stroke:
             self.lift()
             self._spent = True
 
     def cancel(self) -> None:
-        """Take the stroke that is going on back."""
+        """Take back the current stroke."""
         if self.in_stroke:
             self.in_stroke, self._spent = False, True
             self._end_in_hand()
             self._stage.open_paint_thread.post("cancel_stroke")
 
     def _take_back(self) -> None:
-        """Take back what a finger began that now does something else: the next paints again."""
+        """Take back a finger's stroke that became a gesture: the next touch paints again."""
         self.cancel()
         self._spent = False
 
     def leave(self) -> None:
-        """Let the brush leave the picture until the pointer moves over it again."""
+        """Hide the brush until the pointer moves over the picture again."""
         if not self.in_stroke and self._stage.paint_thread is not None:
             self._stage.hide_brush()

@@ -1,8 +1,8 @@
-"""A tool that has the picture's drags while it is on: choosing, moving and scaling what lies there.
+"""Base of tools that get the picture's drags while they are on, to choose, move or scale things.
 
-The canvas hands touches to one tool at a time (`CanvasWidget.take_up`). What all tools of this kind
-do is here: they come and go, follow one press to its end, leave steering to Space and the view's
-grips, end by Esc, and let go when a finger turns out to be one of several.
+The canvas hands touches to one tool at a time (`CanvasWidget.take_up`). All tools of this kind
+follow one press to its end, leave steering to Space and the view's grips, end by Esc, and drop what
+they drag when a finger turns out to be one of several.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class CanvasTool(QtCore.QObject):
     Attributes
     ----------
     keys : frozenset of Qt.Key
-        That it hears while it is on, besides Esc; see `press_key`.
+        That it gets while it is on, besides Esc; see `press_key`.
     cursor : Qt.CursorShape
         Of the pointer while it is on.
     """
@@ -58,11 +58,11 @@ class CanvasTool(QtCore.QObject):
 
     @property
     def is_on(self) -> bool:
-        """Whether drags are this tool's."""
+        """True if drags are this tool's."""
         return self._canvas.tool == self._take
 
     def turn_on(self, message: str) -> None:
-        """Have the drags until `end`, and say how it is used."""
+        """Take the drags until `end`, and show how the tool is used."""
         if self.is_on:
             return
         self._canvas.take_up(self._take, self.end)
@@ -88,7 +88,7 @@ class CanvasTool(QtCore.QObject):
         self._workspace.tell(say("Ready"))
         self.turned_on.emit(False)
 
-    # -- what each tool does by itself ------------------------------------------------------
+    # -- to be overridden -------------------------------------------------------------------
 
     def take_hold(self, at: QtCore.QPointF, *, adds: bool) -> None:
         """Begin a drag; `adds` where Shift is held."""
@@ -100,13 +100,13 @@ class CanvasTool(QtCore.QObject):
         """End a drag."""
 
     def drop(self) -> None:
-        """Hold nothing, and change nothing."""
+        """Drop what is dragged, and change nothing."""
 
     def press_key(self, event: QtGui.QKeyEvent) -> None:
-        """Do what one of `keys` asks for."""
+        """Do the command of one of `keys`."""
 
     def takes(self, at: QtCore.QPointF) -> bool:
-        """Whether a drag that begins there is the tool's, not the view's."""
+        """Return whether a drag that begins there is the tool's, not the view's."""
         return True
 
     def paint(self, painter: QtGui.QPainter) -> None:
@@ -115,7 +115,7 @@ class CanvasTool(QtCore.QObject):
     # -- keys and hands ---------------------------------------------------------------------
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Hear the tool's keys, and end by Esc."""
+        """Take the tool's keys, and end by Esc."""
         if not self.is_on or not isinstance(event, QtGui.QKeyEvent):
             return False
         if event.type() not in (_KIND.ShortcutOverride, _KIND.KeyPress):
@@ -132,7 +132,7 @@ class CanvasTool(QtCore.QObject):
         return True
 
     def _mode(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
-        """How a drag that begins here steers: by the view's grips, with Space, beside the tool."""
+        """Return a drag's mode: by the view's grips, with Space, or where the tool takes none."""
         steers = self._canvas.grip_at(x, y) or "steer" in self._workspace.hand.held
         if self.is_on and not steers and self.takes(QtCore.QPointF(x, y)):
             return None
@@ -154,7 +154,7 @@ class CanvasTool(QtCore.QObject):
         return True
 
     def _take_back(self) -> None:
-        """Hold nothing: what a finger began was the beginning of a gesture of several."""
+        """Drop what a finger drags: it was the beginning of a gesture of several."""
         self._is_down = False
         if self.is_on:
             self.drop()

@@ -45,24 +45,24 @@ if TYPE_CHECKING:
 __all__ = ["Calibrating", "DeviceInput", "carried_camera"]
 
 # ---- Calibration ---------------------------------------------------------------------------------
-# Where a stylus or the pad of a pen stands: corners of a sheet are touched, and the frame kept.
+# The frame of a stylus or of a pen's pad: corners of a sheet are touched, and the fit is saved.
 
 
 _CORNERS = (Message("near left"), Message("near right"), Message("far right"), Message("far left"))
 
 
-def _keep_still(_: Touch) -> bool:
-    """The tool while a pad is calibrated: nothing is painted."""
+def _ignore_touch(_: Touch) -> bool:
+    """Take every touch: the tool while a pad is calibrated, so that nothing is painted."""
     return True
 
 
 class Calibrating:
-    """Follows one device while four corners are touched, each told by a button or in the panel.
+    """Follows one device while four corners are touched, each confirmed by a button or the panel.
 
     Parameters
     ----------
     form : StylusForm
-        Says what is to be touched, and how far it was off.
+        Shows which corner is to be touched, and the error of the fit.
     canvas : CanvasWidget
         Takes no touches meanwhile: a pen is also the window system's.
     find_pens : callable, optional
@@ -82,11 +82,11 @@ class Calibrating:
 
     @property
     def is_on(self) -> bool:
-        """Whether corners are still to be touched."""
+        """True if corners are still to be touched."""
         return self._touches is not None
 
     def begin(self, width: float, depth: float, key: str | None) -> bool:
-        """Have the corners of a sheet touched, mm, by the stylus of a key or else by a pad's pen.
+        """Ask for the corners of a sheet, mm, by the stylus of a key or else by a pad's pen.
 
         Returns
         -------
@@ -102,30 +102,30 @@ class Calibrating:
         return True
 
     def _open_pens(self) -> str | None:
-        """The key of the first pad that could be opened."""
+        """Open the pads, and return the key of the first; None if there is none."""
         pens = self.find_pens()
         nodes = [] if pens is None else pens.nodes()
         if not nodes:
             failures = [] if pens is None else [*pens.failures.values()]
-            said = [say("No stylus is there to calibrate"), *map(say_error, failures[:1])]
-            message = ": ".join(said)
+            problems = [say("No stylus is there to calibrate"), *map(say_error, failures[:1])]
+            message = ": ".join(problems)
             self._form.show_calibrating(message, False)
             if pens is not None:
                 pens.stop()
             return None
         self._pens = pens
-        self._canvas.take_up(_keep_still, self.stop)
+        self._canvas.take_up(_ignore_touch, self.stop)
         return key_of_node(nodes[0])
 
     def stop(self, message: str = "") -> None:
-        """Have no corner touched any more."""
+        """Ask for no more corners."""
         if self._touches is None:
             return
         self._touches = None
         if self._pens is not None:
             self._pens.stop()
             self._pens = None
-            self._canvas.lay_down(_keep_still)
+            self._canvas.lay_down(_ignore_touch)
         self._form.show_calibrating(message, False)
 
     def follow_pens(self) -> None:
@@ -134,7 +134,7 @@ class Calibrating:
             self.follow(self._pens.take_stylus())
 
     def follow(self, readings: list[StylusReading]) -> str | None:
-        """Follow the device, in its own frame; what is to be told once its frame is kept."""
+        """Follow the device, in its own frame; return a message once its frame is saved."""
         touches = self._touches
         if touches is None:
             return None
@@ -145,7 +145,7 @@ class Calibrating:
         return None
 
     def touch(self) -> str | None:
-        """The device touches the corner now, whatever buttons it has; returns as `hear`."""
+        """Take the device's position for the corner, without a button; returns as `follow`."""
         if self._touches is None:
             return None
         try:
@@ -156,7 +156,7 @@ class Calibrating:
         return None
 
     def _next(self) -> str | None:
-        """Ask for the next corner, or find the frame and keep it."""
+        """Ask for the next corner, or fit the frame and save it."""
         touches = self._touches
         assert touches is not None, "a corner was touched"
         if not touches.is_done:
@@ -170,7 +170,7 @@ class Calibrating:
         return f"{message} ({each})"
 
     def _refuse(self, error: Paint3DError) -> None:
-        """Ask again: for the corner, or for all where no frame followed of them."""
+        """Ask again: for the corner, or for all where no frame fits them."""
         assert self._touches is not None, "a corner was touched"
         if self._touches.is_done:
             self._touches = Touches(self._touches.points)
@@ -192,7 +192,7 @@ _CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
 def carried_camera(camera: Camera, before: ObjectPose, after: ObjectPose) -> Camera:
-    """The camera that stands still in the world while the object is moved, in its frame."""
+    """Return the camera, in the object's frame, that stands still while the object is moved."""
 
     def carry(vector: AnyArray, shifted: bool) -> AnyArray:
         world = rotate(before.orientation, vector) + (before.position if shifted else 0.0)
@@ -207,13 +207,13 @@ def carried_camera(camera: Camera, before: ObjectPose, after: ObjectPose) -> Cam
 
 
 class DeviceInput:
-    """Hands the samples, buttons and forces of the devices of both hands on to the painting.
+    """Passes samples, buttons and forces of the devices of both hands on to the painting.
 
     Parameters
     ----------
     workspace : Workspace
     panel : DevicePanel
-        Shows them now and then, and says what is chosen for them.
+        Shows them, and emits what is chosen for them.
     plugged : PluggedDevices, optional
         None where there are none to look for.
     feel : callable, optional
@@ -238,15 +238,15 @@ class DeviceInput:
         self._pose = ObjectPose()
         self._ticks = 0
         self._reported_end: str | None = None
-        self._held: int | None = None  # buttons of the stylus
-        self._held_still: Document | None = None  # while samples are cut into strokes
+        self._buttons_before: int | None = None  # of the stylus
+        self._paused_document: Document | None = None  # while samples are cut into strokes
         self._closed = False
         self._show_choices()
         for signal, slot in self._connections():
             signal.connect(slot)
 
     def _connections(self) -> list[tuple[Any, Callable[..., None]]]:
-        """What the panel says, and who hears it."""
+        """Return the panel's signals with their slots, to connect and to disconnect them."""
         stylus, mouse = self._panel.stylus, self._panel.mouse
         return [
             (stylus.chosen, self.choose_stylus),
@@ -269,11 +269,11 @@ class DeviceInput:
 
     @property
     def in_stroke(self) -> bool:
-        """Whether a stylus paints now."""
+        """True if a stylus paints now."""
         return self._cutter.is_down
 
     def open(self) -> None:
-        """Let the haptic stylus feel another object, which stands as its picture shows it."""
+        """Feel another object with the haptic stylus; it stands as its picture shows it."""
         if self.desk is not None:
             self.desk.hands.set_object_pose(ObjectPose())
         self._pose = ObjectPose()
@@ -281,7 +281,7 @@ class DeviceInput:
         self._start_feeling()
 
     def _start_feeling(self) -> None:
-        """Feel with the stylus that the settings ask for; the object stays where it is."""
+        """Start the stylus that the settings ask for; the object stays where it is."""
         self.calibrating.stop()
         self._leave_object()
         if self._feeling is not None:
@@ -299,7 +299,7 @@ class DeviceInput:
         self._reported_end = None
 
     def _make_desk(self) -> DeviceHub | None:
-        """A hub for what is there; the object stays where the left hand has it."""
+        """Make a hub of the devices; the object stays where the left hand has it."""
         settings, before = self._workspace.settings, self.desk
         if self._plugged is None and self._feeling is None:
             return None
@@ -319,8 +319,8 @@ class DeviceInput:
 
     def choose_stylus(self, stylus: str) -> None:
         """Feel with this one from now on, one of `STYLI`; again, if it was chosen before."""
-        kept = self._workspace.settings.stylus
-        if kept.partition("=")[0] != stylus:  # the place of a library or a service stays
+        before = self._workspace.settings.stylus
+        if before.partition("=")[0] != stylus:  # the path of a library or a service stays
             self._workspace.update_settings(stylus=stylus)
         if self._workspace.stage.paint_thread is not None:
             self._start_feeling()
@@ -328,17 +328,17 @@ class DeviceInput:
                 self._workspace.tell(self._feeling.name, state="good")
 
     def choose_feel(self, changes: Mapping[str, float]) -> None:
-        """Change what of a haptic stylus is the user's choice: see `Feel`."""
+        """Change the haptic stylus's settings: see `Feel`."""
         self._workspace.update_settings(feel={**self._workspace.settings.feel, **changes})
 
     def choose_mouse(self, mouse: MouseSettings) -> None:
-        """Read the 6-DOF mouse so from now on."""
+        """Read the 6-DOF mouse by other settings."""
         self._workspace.update_settings(mouse=mouse.as_words())
         if self.desk is not None:
             self.desk.set_mouse(mouse)
 
     def choose_button(self, button: int, action: str) -> None:
-        """Let a button of the 6-DOF mouse, from 0, do this; "": nothing."""
+        """Assign an action to a button of the 6-DOF mouse, from 0; "": none."""
         buttons = {**self._workspace.settings.buttons, button: action}
         buttons = {number: act for number, act in buttons.items() if act}
         self._workspace.update_settings(buttons=buttons)
@@ -349,7 +349,7 @@ class DeviceInput:
     # -- calibrating ------------------------------------------------------------------------
 
     def calibrate(self, width: float, depth: float) -> None:
-        """Have the corners of a sheet touched that is so large, mm; (0, 0) stops it.
+        """Ask for the corners of a sheet of this size, mm; (0, 0) stops it.
 
         By the stylus that pushes back, or where there is none by the pen of a pad.
         """
@@ -379,7 +379,7 @@ class DeviceInput:
         self._use_frame(self.calibrating.touch())
 
     def _use_frame(self, message: str | None) -> None:
-        """Feel by the frame that was found, if one was."""
+        """Feel by the new frame, if there is one."""
         if message is not None and self._feeling is not None:
             self._start_feeling()
             self._panel.stylus.show_calibrating(message, False)
@@ -387,7 +387,7 @@ class DeviceInput:
     # -- tick by tick -----------------------------------------------------------------------
 
     def tick(self) -> None:
-        """Take what the devices said; show them now and then."""
+        """Take what the devices sent; update the panel now and then."""
         self._ticks += 1
         self.calibrating.follow_pens()
         if self.desk is not None:
@@ -418,8 +418,8 @@ class DeviceInput:
         for failure in taken.failures:
             self._workspace.tell(say_error(failure), state="bad")
         self._carry(taken.object_pose)
-        held = [sample.buttons for sample in taken.samples]
-        dips, self._held = went_down(DIP, self._held, held)
+        buttons = [sample.buttons for sample in taken.samples]
+        dips, self._buttons_before = went_down(DIP, self._buttons_before, buttons)
         if self.calibrating.is_on:
             self._follow_touches(taken.samples)
             return
@@ -441,7 +441,7 @@ class DeviceInput:
             paint_thread.hover(taken.samples[-1])
 
     def _leave_object(self) -> None:
-        """End a stroke whose stylus is not heard any more."""
+        """End a stroke whose stylus is no longer followed."""
         if self._cutter.end():
             self._end_stroke()
 
@@ -470,31 +470,31 @@ class DeviceInput:
         self._panel.show_object(axes)
 
     def _cut(self, samples: list[DeviceSample]) -> list[Any]:
-        """Samples cut into strokes; where they have no pressure, by the surface held still."""
+        """Cut samples into strokes; those without a pressure by the surface, painting paused."""
         if all(sample.pressure is not None for sample in samples):
             return self._cutter.cut(samples)
-        with self._workspace.paint_thread.paused(_PATIENCE_S) as self._held_still:
+        with self._workspace.paint_thread.paused(_PATIENCE_S) as self._paused_document:
             parts = self._cutter.cut(samples)
-        self._held_still = None
+        self._paused_document = None
         return parts
 
     def _is_touching(self, sample: DeviceSample) -> bool:
-        """Whether the brush touches: by its force, or by where it is.
+        """Return whether the brush touches: by its force, or by its position.
 
-        While the painting has no time to say where the surface is, it goes on as it did.
+        While the painting could not be paused, the answer stays as it was.
         """
         if sample.pressure is not None:
             return sample.pressure > 0.0
         back = sample.object_orientation * _CONJUGATE
-        place = rotate(back, sample.position - sample.object_position)
+        position = rotate(back, sample.position - sample.object_position)
         orientation = multiply_quaternions(back, sample.orientation)
-        if self._held_still is None:
+        if self._paused_document is None:
             return self._cutter.is_down
-        found = self._held_still.painter.contact(place, orientation)
-        return found is not None and found.area > 0.0
+        contact = self._paused_document.painter.contact(position, orientation)
+        return contact is not None and contact.area > 0.0
 
     def close(self) -> None:
-        """Let go of the devices."""
+        """Close the devices."""
         if not self._closed:
             self._closed = True
             for signal, slot in self._connections():

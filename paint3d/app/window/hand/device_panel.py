@@ -29,7 +29,7 @@ from paint3d.pose.touching import SHEET_MM
 __all__ = ["DevicePanel", "HandsPicture", "MouseForm", "StylusForm"]
 
 # ---- Forms ---------------------------------------------------------------------------------------
-# What is chosen for the hands' devices: the stylus that pushes back, the 6-DOF mouse.
+# Settings of the hands' devices: the stylus that pushes back, the 6-DOF mouse.
 
 
 _STYLUS_NAMES = {
@@ -99,7 +99,7 @@ class _Form(QtWidgets.QWidget):
 
 
 class StylusForm(_Form):
-    """Which stylus pushes back, how hard at most, and where it stands.
+    """Settings of the haptic stylus: its kind, its greatest force, its calibration.
 
     Signals
     -------
@@ -166,7 +166,7 @@ class StylusForm(_Form):
                 box.setValue(value)
 
     def show_calibrating(self, message: str, going_on: bool) -> None:
-        """Say what is to be touched next, or what came of it."""
+        """Show which corner is to be touched next, or the result."""
         self._going_on = going_on
         self.message_label.setText(message)
         self.calibrate.setText(say("Cancel") if going_on else say("Calibrate…"))
@@ -178,7 +178,7 @@ class StylusForm(_Form):
 
 
 class MouseForm(_Form):
-    """How a 6-DOF mouse is read, and what its buttons do.
+    """Settings of the 6-DOF mouse and of its buttons.
 
     Signals
     -------
@@ -290,7 +290,7 @@ class MouseForm(_Form):
         self.action.setCurrentIndex(max(0, self.action.findData(action)))
 
     def _swapper(self, k: int) -> Callable[[], None]:
-        """Let the motion that had the axis before have the one that was given up."""
+        """Return a slot that swaps axes: the chosen one's motion before gets the one given up."""
 
         def swap() -> None:
             wanted, axes = self.axes[k].currentData(), list(self._mouse.axes)
@@ -324,7 +324,7 @@ class HandsPicture(QtWidgets.QWidget):
         self.setMinimumHeight(132)
 
     def paintEvent(self, event: QtGui.QPaintEvent) -> None:
-        """Draw them."""
+        """Draw both hands and the force."""
         painter, theme = QtGui.QPainter(self), self.theme
         painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
         area = QtCore.QRectF(self.rect()).adjusted(1, 1, -1, -1)
@@ -338,7 +338,7 @@ class HandsPicture(QtWidgets.QWidget):
         painter.end()
 
     def _draw_object(self, painter: QtGui.QPainter, centre: QtCore.QPointF) -> None:
-        """A cube as the left hand turns it, seen from the front and a little from above."""
+        """Draw a cube as the left hand turns it, seen from the front and a little from above."""
         corners = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]) * 21.0
         seen = corners @ self.object_axes.T
         flat = np.stack([seen[:, 0] + 0.35 * seen[:, 1], -seen[:, 2] - 0.25 * seen[:, 1]], axis=1)
@@ -352,21 +352,21 @@ class HandsPicture(QtWidgets.QWidget):
 
     def _draw_brush(self, painter: QtGui.QPainter, tip: QtCore.QPointF) -> None:
         x, y, z = self.brush_axis
-        way = QtCore.QPointF(x + 0.35 * y, -z - 0.25 * y)
-        length = max(1e-6, math.hypot(way.x(), way.y()))
-        way *= 52.0 * min(1.0, length) / length
+        direction = QtCore.QPointF(x + 0.35 * y, -z - 0.25 * y)
+        length = max(1e-6, math.hypot(direction.x(), direction.y()))
+        direction *= 52.0 * min(1.0, length) / length
         tip += QtCore.QPointF(0, 34)
         pen = QtGui.QPen(QtGui.QColor("#b08850"), 6)
         pen.setCapStyle(QtCore.Qt.PenCapStyle.RoundCap)
         painter.setPen(pen)
-        painter.drawLine(tip + way * 0.4, tip + way * 1.5)
+        painter.drawLine(tip + direction * 0.4, tip + direction * 1.5)
         pen.setColor(QtGui.QColor(self.theme.text))
         pen.setWidthF(5 + 4 * self.force / MAX_FORCE_N)
         painter.setPen(pen)
-        painter.drawLine(tip, tip + way * 0.4)
+        painter.drawLine(tip, tip + direction * 0.4)
 
     def _draw_force(self, painter: QtGui.QPainter, area: QtCore.QRectF) -> None:
-        """A gauge with a needle, marks and the number: the shape tells, not a colour."""
+        """Draw a gauge with a needle and the number: read by its shape, not by a colour."""
         centre = QtCore.QPointF(area.right() - area.width() / 6.2, area.center().y() + 18)
         radius = min(42.0, area.width() / 7.5)
         arc = QtCore.QRectF(centre.x() - radius, centre.y() - radius, 2 * radius, 2 * radius)
@@ -419,7 +419,7 @@ class DevicePanel(QtWidgets.QWidget):
         self.picture.update()
 
     def show_desk(self, desk: DeviceHub | None, frame: PaintingFrame | None) -> None:
-        """Show what is plugged in, and how it does."""
+        """Show the devices that are plugged in, and how punctual they are."""
         views = [] if desk is None else desk.views()
         lines = [] if desk is None else _lines_of(desk, views)
         if not views:
@@ -435,7 +435,7 @@ class DevicePanel(QtWidgets.QWidget):
 
 
 def _lines_of(desk: DeviceHub, views: Sequence[DeviceView]) -> list[str]:
-    """A line for each device, and one for what was lost."""
+    """Return a line for each device, and one for lost events."""
     lines = []
     for view in views:
         if not view.is_open:

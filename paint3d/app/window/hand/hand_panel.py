@@ -1,4 +1,4 @@
-"""How the hand is read: pressure curve, steadiness, images of the stroke, mask by angle."""
+"""Settings of the hand: pressure curve, steadiness, images of the stroke, mask by angle."""
 
 from __future__ import annotations
 
@@ -39,21 +39,21 @@ class CurveEditor(QtWidgets.QWidget):
         super().__init__()
         self.theme, self.curve = theme, PressureCurve()
         self.pressure: float | None = None
-        self._held = -1
+        self._dragged = -1
         self.setMinimumHeight(112)
         self.setToolTip(say("Drag points; click to add one, right-click to remove one"))
 
     def _area(self) -> QtCore.QRectF:
         return QtCore.QRectF(self.rect()).adjusted(10, 10, -10, -10)
 
-    def _place(self, x: float, y: float) -> QtCore.QPointF:
+    def _position(self, x: float, y: float) -> QtCore.QPointF:
         area = self._area()
         return QtCore.QPointF(area.left() + x * area.width(), area.bottom() - y * area.height())
 
-    def _value(self, place: QtCore.QPointF) -> tuple[float, float]:
+    def _value(self, position: QtCore.QPointF) -> tuple[float, float]:
         area = self._area()
-        x = (place.x() - area.left()) / area.width()
-        y = (area.bottom() - place.y()) / area.height()
+        x = (position.x() - area.left()) / area.width()
+        y = (area.bottom() - position.y()) / area.height()
         return min(max(x, 0.0), 1.0), min(max(y, 0.0), 1.0)
 
     def paintEvent(self, event: QtGui.QPaintEvent) -> None:
@@ -64,60 +64,60 @@ class CurveEditor(QtWidgets.QWidget):
         painter.setBrush(QtGui.QColor(theme.field))
         painter.drawRoundedRect(self._area().adjusted(-6, -6, 6, 6), 6, 6)
         for k in (0.25, 0.5, 0.75):
-            painter.drawLine(self._place(k, 0), self._place(k, 1))
-            painter.drawLine(self._place(0, k), self._place(1, k))
-        path = QtGui.QPainterPath(self._place(0.0, self.curve(0.0)))
+            painter.drawLine(self._position(k, 0), self._position(k, 1))
+            painter.drawLine(self._position(0, k), self._position(1, k))
+        path = QtGui.QPainterPath(self._position(0.0, self.curve(0.0)))
         for k in range(1, 65):
-            path.lineTo(self._place(k / 64, self.curve(k / 64)))
+            path.lineTo(self._position(k / 64, self.curve(k / 64)))
         painter.setBrush(QtCore.Qt.BrushStyle.NoBrush)
         painter.setPen(QtGui.QPen(QtGui.QColor(theme.accent), 2.2))
         painter.drawPath(path)
         painter.setBrush(QtGui.QColor(theme.raised))
         for x, y in self.curve.points:
-            painter.drawEllipse(self._place(x, y), _GRIP, _GRIP)
+            painter.drawEllipse(self._position(x, y), _GRIP, _GRIP)
         if self.pressure is not None:
             painter.setBrush(QtGui.QColor(theme.text))
             painter.setPen(QtCore.Qt.PenStyle.NoPen)
-            painter.drawEllipse(self._place(self.pressure, self.curve(self.pressure)), 4, 4)
+            painter.drawEllipse(self._position(self.pressure, self.curve(self.pressure)), 4, 4)
         painter.end()
 
-    def _point_at(self, place: QtCore.QPointF) -> int:
+    def _point_at(self, position: QtCore.QPointF) -> int:
         for k, (x, y) in enumerate(self.curve.points):
-            if (self._place(x, y) - place).manhattanLength() < _NEAR:
+            if (self._position(x, y) - position).manhattanLength() < _NEAR:
                 return k
         return -1
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Hold a point, make one, or take one away."""
+        """Begin to drag a point, add one, or remove one."""
         left = QtCore.Qt.MouseButton.LeftButton
         if event.button() != left and event.buttons() & left:
-            return  # beside the button that holds one
-        place = event.position()
-        at = self._point_at(place)
+            return  # beside the button that drags one
+        position = event.position()
+        at = self._point_at(position)
         try:
             if event.button() == QtCore.Qt.MouseButton.RightButton:
                 if at >= 0:
                     self.set_curve(self.curve.without_point(at))
                 return
             if at < 0:
-                self.set_curve(self.curve.with_point(*self._value(place)))
-                at = self._point_at(place)
+                self.set_curve(self.curve.with_point(*self._value(position)))
+                at = self._point_at(position)
         except InputError:
             return  # the ends stay, and so do the most points there can be
-        self._held = at
+        self._dragged = at
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Drag the point that is held."""
-        if self._held >= 0:
-            self.set_curve(self.curve.moved(self._held, *self._value(event.position())))
+        """Drag the point that was pressed."""
+        if self._dragged >= 0:
+            self.set_curve(self.curve.moved(self._dragged, *self._value(event.position())))
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Let go of it with the button that holds it."""
+        """End the drag with the button that began it."""
         if not event.buttons() & QtCore.Qt.MouseButton.LeftButton:
-            self._held = -1
+            self._dragged = -1
 
     def set_curve(self, curve: PressureCurve) -> None:
-        """Show another curve, and tell."""
+        """Show another curve, and emit it."""
         self.curve = curve
         self.update()
         self.changed.emit(curve)
@@ -131,9 +131,9 @@ class HandPanel(QtWidgets.QWidget):
     read : dict
         Changes of `HandSettings` by name.
     pressed : float
-        How hard a mouse presses, N.
+        Force of a mouse, N.
     ruled : bool
-        Whether strokes are led by a ruler from now on.
+        Whether strokes follow a ruler from now on.
     turns : int
         Images of radial symmetry.
     mask_degrees : float
@@ -207,7 +207,7 @@ class HandPanel(QtWidgets.QWidget):
         return slider
 
     def show_settings(self, settings: HandSettings) -> None:
-        """Show how the hand is read."""
+        """Show the hand's settings."""
         for slider, value in (
             (self.smoothing, settings.smoothing),
             (self.mouse, settings.mouse_smoothing),
@@ -221,7 +221,7 @@ class HandPanel(QtWidgets.QWidget):
         self.curve.update()
 
     def show_force(self, newtons: float) -> None:
-        """Show how hard a mouse presses, whatever changed it."""
+        """Show a mouse's force, whatever changed it."""
         if not self.force.isSliderDown():
             with QtCore.QSignalBlocker(self.force):
                 self.force.setValue(round(100.0 * newtons / MAX_FORCE_N))

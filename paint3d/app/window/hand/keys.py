@@ -1,4 +1,4 @@
-"""Keys that count while they are held, and those of the keypad, wherever the focus is.
+"""Keys that act while they are down, and those of the keypad, wherever the focus is.
 
 Size, water, force, harder, softer, the lamp; Space, which steers. The keypad turns the view with
 NumLock or without: Qt would take its digits for those above the letters.
@@ -25,15 +25,15 @@ _OTHERS = (  # that count together with a key of the keypad
     QtCore.Qt.KeyboardModifier.ControlModifier | QtCore.Qt.KeyboardModifier.AltModifier
 )
 _PRESSES = (_KIND.MouseButtonPress, _KIND.TabletPress, _KIND.TouchBegin)
-_SETTLED_MS = 300  # after which it is known who has the keys
-_WHILE_S = 5.0  # in which the screen tells that the window was moved, however busy all are
+_SETTLED_MS = 300  # after which the focus is settled
+_WHILE_S = 5.0  # within which a window manager reports a move, however busy it is
 _DIGITS = {
     _KEY.Key_Insert: _KEY.Key_0, _KEY.Key_End: _KEY.Key_1, _KEY.Key_Down: _KEY.Key_2,
     _KEY.Key_PageDown: _KEY.Key_3, _KEY.Key_Left: _KEY.Key_4, _KEY.Key_Clear: _KEY.Key_5,
     _KEY.Key_Right: _KEY.Key_6, _KEY.Key_Home: _KEY.Key_7, _KEY.Key_Up: _KEY.Key_8,
     _KEY.Key_PageUp: _KEY.Key_9, _KEY.Key_Delete: _KEY.Key_Period, _KEY.Key_Comma: _KEY.Key_Period,
 }  # fmt: skip
-"""What a key of the keypad is without NumLock to what it is with it; some write a comma."""
+"""Keys of the keypad without NumLock, to those with it; some layouts have a comma."""
 
 
 class HeldKeys(QtCore.QObject):
@@ -44,7 +44,7 @@ class HeldKeys(QtCore.QObject):
     Signals
     -------
     tapped : str
-        The action of a key that was let go at once, or of one of the keypad.
+        The action of a key that was released at once, or of one of the keypad.
     alt_taken : ()
         The window was moved with Alt, as some window managers do, where Alt was to turn the view.
     """
@@ -72,11 +72,11 @@ class HeldKeys(QtCore.QObject):
         window.installEventFilter(self)
 
     def taps(self) -> set[str]:
-        """Actions whose key is also one to hold: they come by `tapped`."""
+        """Return actions whose key is also one to hold down: they come by `tapped`."""
         return {self._taps[keys] for keys, _ in self._held.values() if keys in self._taps}
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Let go of all keys with the focus; notice a window that is moved with Alt."""
+        """Forget all keys when the focus is lost; notice a window that is moved with Alt."""
         kind = event.type()
         if kind in (_KIND.WindowActivate, _KIND.WindowDeactivate):
             self._everywhere.watch(self._window.isActiveWindow())
@@ -95,52 +95,54 @@ class HeldKeys(QtCore.QObject):
         """Look at keys of this window, unless something is being written."""
         kind = event.type()
         if kind in _PRESSES:
-            self._alt_at = None  # what it was pressed for has come to the window
+            self._alt_at = None  # the press that it belongs to has reached the window
         if kind not in (_KIND.KeyPress, _KIND.KeyRelease, _KIND.ShortcutOverride):
             return False
         if not isinstance(event, QtGui.QKeyEvent) or not self._window.isActiveWindow():
             return False
         if kind != _KIND.KeyRelease and is_waiting(self._window):
-            return False  # whoever has it wait keeps them, also where this filter comes first
+            return False  # the job's own filter drops them, also where this one comes first
         if event.key() == _KEY.Key_Alt:
             self._alt = kind != _KIND.KeyRelease
             self._alt_at = time.monotonic() if self._alt else self._alt_at
         elif kind == _KIND.KeyPress:
             self._alt_at = None
         if kind != _KIND.KeyRelease and QtWidgets.QApplication.activePopupWidget() is not None:
-            return _leave_to_the_menu(kind, event)
+            if kind == _KIND.ShortcutOverride:
+                event.accept()  # or arrows in a menu would turn the view, as shortcuts
+            return kind == _KIND.ShortcutOverride
         if isinstance(QtWidgets.QApplication.focusWidget(), WRITING):
             return False
         if kind == _KIND.KeyRelease:
-            return self._let_go(event)
+            return self._release(event)
         if event.modifiers() & _PAD:
             return self._press_pad(kind, event)
         if kind == _KIND.ShortcutOverride:
             return False
         if event.key() == _KEY.Key_Space and self._is_over_canvas():
             return self._hold(event, ("Space", "steer"))
-        found = self._held.get(event.keyCombination().toCombined())
-        return False if found is None else self._hold(event, found)
+        key = self._held.get(event.keyCombination().toCombined())
+        return False if key is None else self._hold(event, key)
 
     def _take_back_keys(self) -> None:
-        """Ask for the keys after a dialog that had them, where they went to nobody.
+        """Take the focus after a dialog that had it, where it went to no window.
 
-        On X11 they are handed to a dialog that closes just then, and nobody hears of them after it.
+        On X11 it may be given to a dialog that closes just then, and no window gets it afterwards.
         """
         if QtGui.QGuiApplication.focusWindow() is None and self._window.isVisible():
             self._window.activateWindow()
 
     def _was_alt_alone(self) -> bool:
-        """Whether Alt was pressed a while ago and nothing since: who is quick has let it go."""
+        """Return whether Alt was pressed recently and nothing since; it may be up again."""
         return self._alt_at is not None and time.monotonic() - self._alt_at < _WHILE_S
 
     def _is_over_canvas(self) -> bool:
-        """Whether a key is meant for the picture, and not for a button that has the focus."""
+        """Return whether a key is for the picture, and not for a button with the focus."""
         focus = QtWidgets.QApplication.focusWidget()
         return focus is None or focus is self._canvas
 
     def _press_pad(self, kind: QtCore.QEvent.Type, event: QtGui.QKeyEvent) -> bool:
-        """Do what a key of the keypad asks for; nothing else hears of it."""
+        """Do the command of a key of the keypad, and consume the key."""
         key = QtCore.Qt.Key(event.key())
         keys = (event.modifiers() & _OTHERS) | _PAD
         combined = QtCore.QKeyCombination(keys, _DIGITS.get(key, key)).toCombined()
@@ -152,14 +154,14 @@ class HeldKeys(QtCore.QObject):
             self.tapped.emit(action)
         return True
 
-    def _hold(self, event: QtGui.QKeyEvent, found: tuple[str, str]) -> bool:
+    def _hold(self, event: QtGui.QKeyEvent, key: tuple[str, str]) -> bool:
         if not event.isAutoRepeat() and event.key() not in self._keys:
-            self._keys[event.key()] = found
-            self._hand.held.add(found[1])
+            self._keys[event.key()] = key
+            self._hand.held.add(key[1])
             self._hand.adjusted = False
         return True
 
-    def _let_go(self, event: QtGui.QKeyEvent) -> bool:
+    def _release(self, event: QtGui.QKeyEvent) -> bool:
         if event.isAutoRepeat() or event.key() not in self._keys:
             return False
         keys, action = self._keys.pop(event.key())
@@ -181,7 +183,7 @@ class _Everywhere(QtCore.QObject):
         self._look = look
 
     def watch(self, on: bool) -> None:
-        """Begin, or end."""
+        """Begin or end to look at events."""
         program = QtWidgets.QApplication.instance()
         assert program is not None, "a window has one"
         program.removeEventFilter(self)
@@ -189,26 +191,18 @@ class _Everywhere(QtCore.QObject):
             program.installEventFilter(self)
 
     def eventFilter(self, watched: QtCore.QObject, event: QtCore.QEvent) -> bool:
-        """Whether nothing else hears of it."""
+        """Return whether the event is consumed."""
         return self._look(event)
 
 
 def _combined(keys: str) -> int:
-    """The number of a key together with those that are held beside it, as Qt has it."""
-    sequence: Any = QtGui.QKeySequence(keys)  # Qt's own types leave out that it has places
+    """Return Qt's number of a key with its modifiers."""
+    sequence: Any = QtGui.QKeySequence(keys)  # Qt's stubs lack its indexing
     combined: int = sequence[0].toCombined()
     return combined
 
 
-def _leave_to_the_menu(kind: QtCore.QEvent.Type, event: QtGui.QKeyEvent) -> bool:
-    """Let an open menu have a key: its arrows turn the view where they are taken for shortcuts."""
-    if kind != _KIND.ShortcutOverride:
-        return False
-    event.accept()
-    return True
-
-
 def _is_alt_down() -> bool:
-    """Whether Alt is held also by what the system says: a window that is moved has no focus."""
-    held = QtGui.QGuiApplication.queryKeyboardModifiers()
-    return bool(held & QtCore.Qt.KeyboardModifier.AltModifier)
+    """Return whether the system reports Alt as down: a window that is moved has no focus."""
+    modifiers = QtGui.QGuiApplication.queryKeyboardModifiers()
+    return bool(modifiers & QtCore.Qt.KeyboardModifier.AltModifier)

@@ -1,4 +1,4 @@
-"""A page to try a pen on: what it tells, and how the pressure curve takes it."""
+"""A page to try a pen on: what it reports, and what the pressure curve makes of it."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from paint3d.app.window.wording import say
 __all__ = ["PenPad", "PenTestDialog"]
 
 _WIDEST_PX = 14.0  # half the width of a line at full pressure
-_EVENTS = 128  # that the rate is told of
+_EVENTS = 128  # that the rate is measured over
 _PAUSE_MS = 300  # between two events: the pen was away
 _NS_PER_MS = 1_000_000
 _ERASER = QtGui.QPointingDevice.PointerType.Eraser
@@ -23,28 +23,28 @@ _DEG = 180.0 / math.pi
 
 
 class PenPad(QtWidgets.QWidget):
-    """A sheet that shows where a pen is, how hard it presses and how it leans.
+    """A sheet that shows a pen's position, pressure and tilt.
 
     Signals
     -------
     received : ()
-        Something has come; the attributes tell what.
+        An event has come; the attributes describe it.
 
     Attributes
     ----------
     device : str
-        Name of what spoke last; empty before.
+        Name of the last device; empty before.
     is_mouse : bool
         Whether it was a mouse, or a pen whose driver makes one of it.
     pressure, least, most : float
-        Now, and so far while it touched; 0 to 1, as the pen tells it.
+        Now, and so far while it touched; 0 to 1, as the pen reports it.
     tilts, turn : (float, float), float
         Degrees from upright to the right and towards the hand; degrees about its own axis.
     leaned, turned : bool
         Whether these were ever other than 0.
     is_eraser : bool
     buttons : int
-        Held now, bit by bit.
+        Down now, bit by bit.
     """
 
     received = QtCore.Signal()
@@ -53,7 +53,7 @@ class PenPad(QtWidgets.QWidget):
         super().__init__()
         self._theme, self._curve = theme, curve
         self._times: deque[int] = deque(maxlen=_EVENTS)
-        self._place: QtCore.QPointF | None = None
+        self._position: QtCore.QPointF | None = None
         self._down = False
         self._picture = QtGui.QImage()
         self.setMinimumSize(420, 300)
@@ -63,7 +63,7 @@ class PenPad(QtWidgets.QWidget):
         self.clear()
 
     def clear(self) -> None:
-        """Take a new sheet, and forget what was told."""
+        """Take a new sheet, and forget all events."""
         self.device, self.is_mouse, self.is_eraser, self.buttons = "", False, False, 0
         self.pressure, self.least, self.most = 0.0, 1.0, 0.0
         self.tilts, self.turn, self.leaned, self.turned = (0.0, 0.0), 0.0, False, False
@@ -72,13 +72,13 @@ class PenPad(QtWidgets.QWidget):
         self.update()
 
     def rate(self) -> float:
-        """Events a second while the pen moved last; 0 before there are enough."""
+        """Return the events a second while the pen moved last; 0 before there are enough."""
         if len(self._times) < 8 or self._times[-1] <= self._times[0]:
             return 0.0
         return 1000.0 * (len(self._times) - 1) / (self._times[-1] - self._times[0])
 
     def resizeEvent(self, event: QtGui.QResizeEvent) -> None:
-        """Keep what was drawn."""
+        """Copy the drawing to the new size."""
         larger = QtGui.QImage(self.size(), QtGui.QImage.Format.Format_RGB32)
         larger.fill(QtGui.QColor(self._theme.field))
         painter = QtGui.QPainter(larger)
@@ -103,16 +103,13 @@ class PenPad(QtWidgets.QWidget):
         self._draw_to(event.position(), touch.down, self._curve(pressure))
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Draw with a mouse, which tells no pressure."""
-        self._handle_mouse(event)
-
-    mouseMoveEvent = mouseReleaseEvent = mousePressEvent
-
-    def _handle_mouse(self, event: QtGui.QMouseEvent) -> None:
+        """Draw with a mouse, which reports no pressure."""
         down = bool(event.buttons() & QtCore.Qt.MouseButton.LeftButton)
         self._note_event(event.pointingDevice().name(), event.timestamp(), mouse=True)
         self.pressure, self.is_eraser, self.buttons = 0.0, False, event.buttons().value
         self._draw_to(event.position(), down, 0.15)
+
+    mouseMoveEvent = mouseReleaseEvent = mousePressEvent
 
     def _note_event(self, device: str, time_ms: int, *, mouse: bool) -> None:
         if self._times and not 0 <= time_ms - self._times[-1] < _PAUSE_MS:
@@ -120,7 +117,7 @@ class PenPad(QtWidgets.QWidget):
         self._times.append(time_ms)
         self.device, self.is_mouse = device, mouse
 
-    def _draw_to(self, place: QtCore.QPointF, down: bool, strength: float) -> None:
+    def _draw_to(self, position: QtCore.QPointF, down: bool, strength: float) -> None:
         if down:
             painter = QtGui.QPainter(self._picture)
             painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
@@ -128,31 +125,31 @@ class PenPad(QtWidgets.QWidget):
             pen = QtGui.QPen(QtGui.QColor(colour), max(1.0, 2.0 * _WIDEST_PX * strength))
             pen.setCapStyle(QtCore.Qt.PenCapStyle.RoundCap)
             painter.setPen(pen)
-            start = self._place if self._down and self._place is not None else place
-            painter.drawLine(start, place)
+            start = self._position if self._down and self._position is not None else position
+            painter.drawLine(start, position)
             painter.end()
-        self._place, self._down = place, down
+        self._position, self._down = position, down
         self.update()
         self.received.emit()
 
     def leaveEvent(self, event: QtCore.QEvent) -> None:
-        """Show the pen no more."""
-        self._place = None
+        """Remove the pen's picture."""
+        self._position = None
         self.update()
 
     def paintEvent(self, event: QtGui.QPaintEvent) -> None:
-        """Draw the sheet, and the pen as it stands on it: how far it leans, and its side."""
+        """Draw the sheet, and the pen on it with its tilt and its side."""
         painter = QtGui.QPainter(self)
         painter.setRenderHint(QtGui.QPainter.RenderHint.Antialiasing)
         painter.drawImage(0, 0, self._picture)
         painter.setPen(QtGui.QPen(QtGui.QColor(self._theme.line), 1))
         painter.drawRect(self.rect().adjusted(0, 0, -1, -1))
-        if self._place is not None and not self.is_mouse:
+        if self._position is not None and not self.is_mouse:
             across, along = (math.sin(angle / _DEG) for angle in self.tilts)
-            end = self._place + QtCore.QPointF(90.0 * across, 90.0 * along)
+            end = self._position + QtCore.QPointF(90.0 * across, 90.0 * along)
             painter.setPen(QtGui.QPen(QtGui.QColor(self._theme.good), 3))
-            painter.drawLine(self._place, end)
-            painter.drawEllipse(self._place, 6.0, 6.0)
+            painter.drawLine(self._position, end)
+            painter.drawEllipse(self._position, 6.0, 6.0)
             if self.turned:
                 angle = self.turn / _DEG
                 side = QtCore.QPointF(14.0 * math.sin(angle), -14.0 * math.cos(angle))
@@ -161,7 +158,7 @@ class PenPad(QtWidgets.QWidget):
 
 
 class PenTestDialog(QtWidgets.QDialog):
-    """Try a pen: a sheet to draw on, and what it tells in numbers."""
+    """Tries a pen: a sheet to draw on, and what it reports in numbers."""
 
     def __init__(self, parent: QtWidgets.QWidget, theme: Theme, curve: PressureCurve) -> None:
         super().__init__(parent)
@@ -216,13 +213,13 @@ class PenTestDialog(QtWidgets.QDialog):
                 "so far {least:.1f} to {most:.1f} %", least=100 * pad.least, most=100 * pad.most
             )
         rows["pressure"].setText(pressure if pad.device else "–")
-        rows["lean"].setText(self._lean() if pad.leaned else "–")
+        rows["lean"].setText(self._tilt_text() if pad.leaned else "–")
         rows["turn"].setText(f"{pad.turn:.0f}°" if pad.turned else "–")
-        held = [str(bit + 1) for bit in range(8) if pad.buttons >> bit & 1]
-        rows["buttons"].setText(" ".join(held) or "–")
+        down = [str(bit + 1) for bit in range(8) if pad.buttons >> bit & 1]
+        rows["buttons"].setText(" ".join(down) or "–")
         rows["rate"].setText(f"{pad.rate():.0f}" if pad.rate() else "–")
 
-    def _lean(self) -> str:
+    def _tilt_text(self) -> str:
         across, along = self.pad.tilts
         if across >= 0.0:
             aside = say("{angle:.0f}° to the right", angle=across)

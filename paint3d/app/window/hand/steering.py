@@ -1,4 +1,4 @@
-"""The view is turned, moved, rolled and brought near: by drags, grips, fingers, wheel and keys."""
+"""Turning, moving, rolling and zooming the view: by drags, grips, fingers, wheel and keys."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from paint3d.view.camera import Camera
 __all__ = ["GRIPS", "STEPS", "Grips", "Steering"]
 
 # ---- Grips ---------------------------------------------------------------------------------------
-# Grips on the picture: turn, move, come near, roll, with nothing but a tip that touches them.
+# Grips on the picture that turn, move, zoom and roll it, for a pen without buttons and keys.
 
 
 GRIPS = ("orbit", "pan", "dolly", "roll")
@@ -55,34 +55,34 @@ class Grips:
         self._drawn = QtGui.QPixmap()
 
     def box(self, name: str, area: QtCore.QRect) -> QtCore.QRectF:
-        """Where a grip lies in a picture."""
+        """Return a grip's rectangle in a picture."""
         top = _MARGIN + GRIPS.index(name) * (_SIZE + _GAP)
         return QtCore.QRectF(area.right() + 1 - _MARGIN - _SIZE, area.top() + top, _SIZE, _SIZE)
 
     def at(self, x: float, y: float, area: QtCore.QRect) -> str | None:
-        """The grip at a place, or None."""
+        """Return the grip at a point, or None."""
         if not self.shown:
             return None
-        place = QtCore.QPointF(x, y)
+        point = QtCore.QPointF(x, y)
         half = 0.5 * _GAP
         return next(
             (
                 n
                 for n in GRIPS
-                if self.box(n, area).adjusted(-half, -half, half, half).contains(place)
+                if self.box(n, area).adjusted(-half, -half, half, half).contains(point)
             ),
             None,
         )
 
     def tool_tip(self, name: str) -> str:
-        """What is said of a grip."""
+        """Return a grip's tool tip."""
         return say("Drag: {action}", action=say(COMMANDS[name].text)) + {
             "roll": f"\n{say('Tap: {action}', action=say('Hold upright'))}",
             "dolly": f"\n{say('Tap: {action}', action=say('Show everything'))}",
         }.get(name, "")
 
     def paint(self, painter: QtGui.QPainter, area: QtCore.QRect) -> None:
-        """Draw them."""
+        """Draw the grips."""
         if not self.shown:
             return
         looks = self._theme(), self.held, self.under, painter.device().devicePixelRatioF()
@@ -92,7 +92,7 @@ class Grips:
         painter.drawPixmap(corner - QtCore.QPointF(_EDGE, _EDGE), self._drawn)
 
     def _draw(self, theme: Theme, pixel_ratio: float) -> QtGui.QPixmap:
-        """The whole column, which every picture shows: drawing its icons takes 4 ms."""
+        """Draw the whole column once, as every picture shows it and its icons take 4 ms."""
         high = len(GRIPS) * (_SIZE + _GAP) - _GAP
         size = QtCore.QSize(_SIZE + 2 * _EDGE, high + 2 * _EDGE)
         column = QtGui.QPixmap(size * pixel_ratio)
@@ -124,7 +124,7 @@ _AROUND = [(0.0, 0.0), *((math.cos(k * math.pi / 4), math.sin(k * math.pi / 4)) 
 _TAP = 4.0  # pixels that a tap on a grip moves at most
 _TURN_STEP, _MOVE_STEP = 1.0 / 24.0, 1.0 / 16.0  # of the picture's height
 _ROLL_STEP = math.radians(7.5)
-_TAPPED = {"roll": "upright", "dolly": "frame_all"}  # a grip to what a tap on it asks for
+_TAPPED = {"roll": "upright", "dolly": "frame_all"}  # command of a tap on a grip
 _FINGERS_TAPPED = {2: "undo", 3: "redo"}
 
 STEPS: dict[str, tuple[str, float, float]] = {
@@ -141,8 +141,8 @@ STEPS: dict[str, tuple[str, float, float]] = {
     "roll_left": ("roll", _ROLL_STEP, 0.0),
     "roll_right": ("roll", -_ROLL_STEP, 0.0),
 }
-"""Actions that move the view a step: how, and how far (shares of the picture's height, a factor, or
-rad)."""
+"""Actions that move the view a step: how, and how far (fractions of the picture's height, a factor,
+or rad)."""
 
 
 class Steering(QtCore.QObject):
@@ -176,37 +176,37 @@ class Steering(QtCore.QObject):
         canvas.gestured.connect(self._gesture)
         canvas.overlays.append(self.grips.paint)
 
-    # -- what a press means -------------------------------------------------------------------
+    # -- pressing ---------------------------------------------------------------------------
 
     def grip_at(self, x: float, y: float) -> str | None:
-        """The grip under the pointer, which is marked and says what it does."""
+        """Return the grip under the pointer; mark it and show its tool tip."""
         if self._hand.camera is None:
             return None
-        found = self.grips.at(x, y, self._canvas.rect())
-        if found != self.grips.under:
-            self.grips.under = found
-            self._canvas.setToolTip(self.grips.tool_tip(found) if found else "")
+        grip = self.grips.at(x, y, self._canvas.rect())
+        if grip != self.grips.under:
+            self.grips.under = grip
+            self._canvas.setToolTip(self.grips.tool_tip(grip) if grip else "")
             self._canvas.update()
-        return found
+        return grip
 
     def mode_at(self, x: float, y: float, keys: QtCore.Qt.KeyboardModifier) -> str | None:
-        """How a drag that begins here steers; None: it paints."""
+        """Return the mode of a drag that begins here; None: it paints."""
         if self._hand.camera is None or self._hand.held & ADJUSTED:
             return None
         if "steer" in self._hand.held:
             return _mode_with_space(keys)
-        found = self.grip_at(x, y)
-        if found is None and self._is_beside(x, y):
+        grip = self.grip_at(x, y)
+        if grip is None and self._is_beside(x, y):
             return "orbit"
-        if found != self.grips.held:
-            self.grips.held = found
+        if grip != self.grips.held:
+            self.grips.held = grip
             self._canvas.update()
-        return found
+        return grip
 
     def _is_beside(self, x: float, y: float) -> bool:
-        """Whether the object is neither here nor close by."""
-        places = np.array([x, y]) + _BESIDE * np.array(_AROUND)
-        return not self._hand.meets(places).any()
+        """Return whether the object is neither here nor close by."""
+        points = np.array([x, y]) + _BESIDE * np.array(_AROUND)
+        return not self._hand.meets(points).any()
 
     # -- drags, wheel, fingers --------------------------------------------------------------
 
@@ -243,8 +243,10 @@ class Steering(QtCore.QObject):
             self._look(navigation.orbit(camera, dx, dy, height))
 
     def _angle(self, dx: float, dy: float) -> float:
-        """By how much a drag leads round, anticlockwise, rad: about the picture's middle, or, from
-        the grip, which is far from there, as along a wheel's rim."""
+        """Return a drag's angle, anticlockwise, rad.
+
+        About the picture's middle; from the grip, which is far from there, as along a wheel's rim.
+        """
         if self.grips.held == "roll":
             return -2.0 * math.pi * (dx + dy) / self._canvas.height()
         x, y = (
@@ -261,7 +263,7 @@ class Steering(QtCore.QObject):
         self._look(navigation.zoom_at(self._hand.camera, factor, x, y, self._size()))
 
     def _gesture(self, meant: Meaning) -> None:
-        """Do what several fingers mean."""
+        """Do a gesture of several fingers."""
         camera = self._hand.camera
         if camera is None:
             return
@@ -294,7 +296,7 @@ class Steering(QtCore.QObject):
             self._look(navigation.roll(camera, x))
 
     def upright(self) -> None:
-        """Roll the picture back."""
+        """Roll the view upright."""
         camera = self._hand.camera
         if camera is not None:
             self._look(navigation.roll(camera, -navigation.roll_of(camera)))

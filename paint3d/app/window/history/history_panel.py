@@ -1,4 +1,4 @@
-"""The strokes of a painting: a list, a slider to go back and forth in, their replay."""
+"""The strokes of a painting: their list, a slider to go back and forth, their replay."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ _STROKE_EDIT_MENU = (
     ("time", Message("Its time…")),
     ("delete", Message("Delete it")),
 )
-"""What can be done with a stroke, and how the menu says it."""
+"""Edits of a stroke, with the menu's texts."""
 _SEAL_EDIT_MENU = (
     ("drag", Message("Move it on the object")),
     ("ink", Message("Press it in the ink in hand")),
@@ -56,7 +56,7 @@ class _StrokeList(QtWidgets.QListWidget):
 
 
 class HistoryPanel(QtWidgets.QWidget):
-    """What was painted, stroke by stroke.
+    """The history: the painting stroke by stroke.
 
     Signals
     -------
@@ -86,7 +86,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self._theme = theme
         self._shown: tuple[int, int] = (-1, -1)
         self._strokes: list[Any] = []
-        self._wanted: int | None = None  # what was asked for and is not there yet
+        self._wanted: int | None = None  # strokes of the state that was asked for and has not come
         self._is_playing = False
         self._marked: tuple[int, ...] = ()
         self.list = _StrokeList()
@@ -147,7 +147,7 @@ class HistoryPanel(QtWidgets.QWidget):
     # -- editing ----------------------------------------------------------------------------
 
     def _menu_for(self, parent: QtWidgets.QWidget, row: Callable[[], int]) -> QtWidgets.QMenu:
-        """A menu of what can be done with the stroke of a row."""
+        """Make a menu of the edits of a row's stroke."""
         menu = QtWidgets.QMenu(parent)
         menu.aboutToShow.connect(lambda: self._mark_row(row()))
         for name, text in _STROKE_EDIT_MENU:
@@ -158,17 +158,17 @@ class HistoryPanel(QtWidgets.QWidget):
             action.triggered.connect(lambda _=False, name=name: self._edit(name, row()))
         return menu
 
-    def _show_menu(self, place: QtCore.QPoint) -> None:
-        item = self.list.itemAt(place)
+    def _show_menu(self, position: QtCore.QPoint) -> None:
+        item = self.list.itemAt(position)
         if item is None:
             return
         row = self.list.row(item)
         menu = self._menu_for(self.list, lambda: row)
         menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
-        menu.popup(self.list.viewport().mapToGlobal(place))
+        menu.popup(self.list.viewport().mapToGlobal(position))
 
-    def _show_seal_menu(self, place: QtCore.QPoint) -> None:
-        item = self.seals.itemAt(place)
+    def _show_seal_menu(self, position: QtCore.QPoint) -> None:
+        item = self.seals.itemAt(position)
         if item is None:
             return
         index = self.seals.row(item)
@@ -178,7 +178,7 @@ class HistoryPanel(QtWidgets.QWidget):
             action.setObjectName(name)
             action.triggered.connect(lambda _=False, name=name: self.seal_edited.emit(name, index))
         menu.setAttribute(QtCore.Qt.WidgetAttribute.WA_DeleteOnClose)
-        menu.popup(self.seals.viewport().mapToGlobal(place))
+        menu.popup(self.seals.viewport().mapToGlobal(position))
 
     def show_seals(self, count: int) -> None:
         """Show so many seals, or none of them."""
@@ -199,11 +199,11 @@ class HistoryPanel(QtWidgets.QWidget):
             self.reported.emit(say("There is no stroke to edit"))
 
     def _row_to_edit(self) -> int:
-        """The stroke that is marked, or else the one that is shown last."""
+        """Return the row of the marked stroke, or else of the one that is shown last."""
         return self._marked[0] if self._marked else self.list.currentRow()
 
     def _mark_row(self, row: int) -> None:
-        """Have the stroke of a row marked in the picture, if there is one."""
+        """Emit a row's stroke, to be marked in the picture, if there is one."""
         if 0 <= row < len(self._strokes):
             self.chosen.emit(row)
 
@@ -231,7 +231,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self.show_seals(painting.n_seals)
 
     def follow(self, frame: PaintingFrame) -> None:
-        """Show what a frame says."""
+        """Show a frame's painting."""
         painting = frame.painting
         if len(painting.strokes) == self._wanted or not frame.queue_length:
             self._wanted = None
@@ -247,19 +247,19 @@ class HistoryPanel(QtWidgets.QWidget):
         earliest : int
             So many always stay.
         """
-        there, every = len(strokes), [*strokes, *undone]
-        if every != self._strokes or (there, earliest) != self._shown:
-            self._shown = (there, earliest)
+        n_done, every = len(strokes), [*strokes, *undone]
+        if every != self._strokes or (n_done, earliest) != self._shown:
+            self._shown = (n_done, earliest)
             self._strokes = every
-            self._fill(there)
+            self._fill(n_done)
             seconds = sum(stroke.duration_s for stroke in strokes)
-            self.count.setText(say("Strokes: {n}, {seconds:.1f} s", n=there, seconds=seconds))
+            self.count.setText(say("Strokes: {n}, {seconds:.1f} s", n=n_done, seconds=seconds))
         if self._wanted is None:
-            self._choose(there, earliest)
+            self._choose(n_done, earliest)
         if self._is_playing and self._wanted is None and not self._player.isActive():
-            self._wait(there)
+            self._wait(n_done)
 
-    def _fill(self, there: int) -> None:
+    def _fill(self, n_done: int) -> None:
         with QtCore.QSignalBlocker(self.list):
             self.list.clear()
             for k, stroke in enumerate(self._strokes):
@@ -268,30 +268,30 @@ class HistoryPanel(QtWidgets.QWidget):
                 ink = say("eraser") if stroke.tags.get(ERASES) else ink
                 text = f"{k + 1}   {brush}, {ink}   {stroke.duration_s:.2f} s"
                 item = QtWidgets.QListWidgetItem(_dish_icon(stroke.ink, self._theme), text)
-                if k >= there:
+                if k >= n_done:
                     item.setForeground(QtGui.QColor(self._theme.faint))
                     item.setToolTip(say("undone"))
                 self.list.addItem(item)
-            self.list.setCurrentRow(there - 1)
-            if there:
-                self.list.scrollToItem(self.list.item(there - 1))
+            self.list.setCurrentRow(n_done - 1)
+            if n_done:
+                self.list.scrollToItem(self.list.item(n_done - 1))
             self._show_marked()
 
-    def _choose(self, there: int, earliest: int) -> None:
-        """Let row and slider stand where the painting is."""
-        if self.list.currentRow() != there - 1:
+    def _choose(self, n_done: int, earliest: int) -> None:
+        """Set row and slider to the painting's state."""
+        if self.list.currentRow() != n_done - 1:
             with QtCore.QSignalBlocker(self.list):
-                self.list.setCurrentRow(there - 1)
+                self.list.setCurrentRow(n_done - 1)
         with QtCore.QSignalBlocker(self.slider):
             self.slider.setRange(earliest, len(self._strokes))
-            self.slider.setValue(there)
+            self.slider.setValue(n_done)
 
     def set_theme(self, theme: Theme) -> None:
         """Use other colours."""
         self._theme = theme
         self._shown = (-1, -1)
 
-    # -- being told -------------------------------------------------------------------------
+    # -- list and slider --------------------------------------------------------------------
 
     def _choose_row(self, row: int) -> None:
         if row >= 0:
@@ -314,7 +314,7 @@ class HistoryPanel(QtWidgets.QWidget):
         self.asked.emit(upto, self._is_playing)
 
     def refuse(self) -> None:
-        """What was asked for does not come: stand again where the painting is."""
+        """Go back to the painting's state, as the one asked for does not come."""
         self.stop()
         self._wanted = None
         self._choose(*self._shown)
@@ -322,13 +322,13 @@ class HistoryPanel(QtWidgets.QWidget):
     # -- replaying --------------------------------------------------------------------------
 
     def speed(self) -> float | None:
-        """How fast things are replayed, of their own time; None for as fast as it goes."""
+        """Return the speed of replays, relative to their own time; None: as fast as it goes."""
         result: float | None = self.pace.currentData()
         return result
 
     @property
     def is_playing(self) -> bool:
-        """Whether strokes are shown one after the other."""
+        """True if strokes are shown one after the other."""
         return self._is_playing
 
     def _play(self) -> None:
@@ -360,14 +360,14 @@ class HistoryPanel(QtWidgets.QWidget):
             self.stop()
             self.reported.emit(say("The replay was stopped by your stroke"))
 
-    def _wait(self, there: int) -> None:
+    def _wait(self, n_done: int) -> None:
         """Wait as long as the next stroke took."""
-        expected = self._last is None or there == self._last + 1
-        if there >= len(self._strokes) or not expected:
+        expected = self._last is None or n_done == self._last + 1
+        if n_done >= len(self._strokes) or not expected:
             self.stop()
             return
-        self._last = there
-        seconds = self._strokes[there].duration_s / self.speed() if self.speed() else 0.0
+        self._last = n_done
+        seconds = self._strokes[n_done].duration_s / self.speed() if self.speed() else 0.0
         self._player.start(max(_LEAST_MS, round(1e3 * seconds)))
 
     def _step(self) -> None:

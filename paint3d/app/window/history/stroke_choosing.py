@@ -18,8 +18,8 @@ from paint3d.core.arrays import AnyArray
 
 __all__ = ["StrokeChooser"]
 
-_REACH, _GRIP, _AWAY, _ROOM = 14.0, 6.0, 26.0, 10.0  # pixels
-_INSIDE = 0.5  # share of a stroke's way within the loop
+_REACH, _GRIP, _AWAY, _FRAME = 14.0, 6.0, 26.0, 10.0  # pixels
+_INSIDE = 0.5  # fraction of a stroke's path within the loop
 _LEAST, _MOST = 0.1, 10.0  # of a scale by one drag
 
 
@@ -35,7 +35,7 @@ class StrokeChooser(CanvasTool):
     Signals
     -------
     edited : dict
-        What is to be done with them; see `score_edits.apply_stroke_edit`.
+        An edit of them; see `score_edits.apply_stroke_edit`.
     """
 
     edited = QtCore.Signal(object)
@@ -47,11 +47,11 @@ class StrokeChooser(CanvasTool):
         self._doing = ""  # "loop", "move", or a grip
         self._adds = False
         self._loop: list[QtCore.QPointF] = []
-        self._place: AnyArray | None = None  # where the drag began on the object
+        self._start: AnyArray | None = None  # of the object, where the drag began
         mark.changed.connect(lambda _: self._canvas.update())
 
     def begin(self) -> None:
-        """Let drags choose and move strokes until `end`."""
+        """Make drags choose and move strokes until `end`."""
         self._workspace.stage.hide_brush()
         self.turn_on(
             say(
@@ -69,71 +69,71 @@ class StrokeChooser(CanvasTool):
     # -- the hand ---------------------------------------------------------------------------
 
     def drop(self) -> None:
-        """Hold nothing."""
+        """Drop the loop, or what is dragged."""
         self._doing, self._loop = "", []
 
     def take_hold(self, at: QtCore.QPointF, *, adds: bool) -> None:
         """Begin at a grip, at a chosen stroke, or with a loop."""
         self._loop, self._adds = [at], adds
-        self._place = self._workspace.hand.place_at(at.x(), at.y())
+        self._start = self._workspace.hand.place_at(at.x(), at.y())
         self._doing = self._grip_at(at)
         if not self._doing:
-            held = None if self._place is None or adds else self._mark.stroke_at(self._place)
-            self._doing = "move" if held is not None and held in self._mark.indices else "loop"
+            index = None if self._start is None or adds else self._mark.stroke_at(self._start)
+            self._doing = "move" if index is not None and index in self._mark.indices else "loop"
 
     def drag(self, at: QtCore.QPointF) -> None:
-        """Go on with a loop, or with what is held."""
+        """Go on with a loop, or with what is dragged."""
         self._loop.append(at)
 
     def let_go(self, at: QtCore.QPointF) -> None:
-        """Choose what was clicked or lies within the loop, or have what was dragged edited."""
+        """Choose what was clicked or lies within the loop, or edit what was dragged."""
         if not self._loop:
             return
         self._loop.append(at)
-        doing, way = self._doing, self._loop
-        first, last = way[0], way[-1]
-        place = self._place
-        reach = max(math.hypot((p - first).x(), (p - first).y()) for p in way)
+        doing, path = self._doing, self._loop
+        first, last = path[0], path[-1]
+        start = self._start
+        reach = max(math.hypot((p - first).x(), (p - first).y()) for p in path)
         change = self._change() if reach >= CLICK else {}
         self.drop()
         if reach < CLICK:
-            self._click(place)
+            self._click(start)
         elif doing == "loop":
-            self._choose_within(way)
+            self._choose_within(path)
         elif doing == "move":
             there = self._workspace.hand.place_at(last.x(), last.y())
-            if there is None or place is None:
+            if there is None or start is None:
                 self._workspace.tell(say("That is beside the object"), state="bad")
             else:
-                self.edited.emit({"do": "move", "to": [place.tolist(), there.tolist()]})
+                self.edited.emit({"do": "move", "to": [start.tolist(), there.tolist()]})
         elif doing == "turn":
             self.edited.emit({"do": "move", "turn_deg": math.degrees(change["turn"])})
         elif doing == "scale":
             self.edited.emit({"do": "scale", "factor": change["scale"]})
 
-    def _click(self, place: AnyArray | None) -> None:
-        """Choose the stroke at a place besides those that are, or let it go; none beside all."""
-        index = None if place is None else self._mark.stroke_at(place)
+    def _click(self, point: AnyArray | None) -> None:
+        """Add the stroke at a point to the chosen ones, or remove it; choose none beside all."""
+        index = None if point is None else self._mark.stroke_at(point)
         self._mark.choose_all(() if index is None else {*self._mark.indices} ^ {index})
         self._tell_chosen()
 
-    def _choose_within(self, way: list[QtCore.QPointF]) -> None:
-        """Choose the strokes of which the most lies within a loop, and is seen."""
-        loop = np.array([[p.x(), p.y()] for p in way])
+    def _choose_within(self, path: list[QtCore.QPointF]) -> None:
+        """Choose the strokes of which the greater part lies within a loop, and is seen."""
+        loop = np.array([[p.x(), p.y()] for p in path])
         ground = self._workspace.hand.surface
-        found = set(self._mark.indices) if self._adds else set()
+        indices = set(self._mark.indices) if self._adds else set()
         for index, stroke in enumerate(self._workspace.painting.strokes):
-            ways = ways_of(stroke, ground)
-            if not ways:
+            paths = ways_of(stroke, ground)
+            if not paths:
                 continue
-            points = np.concatenate(ways)
+            points = np.concatenate(paths)
             inside = _within(self._workspace.hand.pixels_of(points), loop)
             if (
                 inside.mean() >= _INSIDE
                 and self._workspace.hand.sees(points[inside]).mean() >= _INSIDE
             ):
-                found.add(index)
-        self._mark.choose_all(found)
+                indices.add(index)
+        self._mark.choose_all(indices)
         self._tell_chosen()
 
     def _tell_chosen(self) -> None:
@@ -147,7 +147,7 @@ class StrokeChooser(CanvasTool):
     # -- the picture ------------------------------------------------------------------------
 
     def grips(self) -> Mapping[str, QtCore.QPointF]:
-        """Where each grip is in the picture, pixels; none where no stroke is chosen."""
+        """Return each grip's position in the picture, pixels; none without a chosen stroke."""
         box = self._box()
         if box is None:
             return {}
@@ -164,14 +164,14 @@ class StrokeChooser(CanvasTool):
         points = np.concatenate(lines)
         (x0, y0), (x1, y1) = points.min(axis=0), points.max(axis=0)
         box = QtCore.QRectF(x0, y0, x1 - x0, y1 - y0)
-        return box.adjusted(-_ROOM, -_ROOM, _ROOM, _ROOM)
+        return box.adjusted(-_FRAME, -_FRAME, _FRAME, _FRAME)
 
     def _lines(self) -> list[AnyArray]:
-        """The ways (K, 2) of the chosen strokes in the picture, pixels."""
+        """Return the paths (K, 2) of the chosen strokes in the picture, pixels."""
         if self._workspace.hand.camera is None or not self._mark.indices:
             return []
-        found = [self._workspace.hand.pixels_of(way) for way in self._mark.ways()]
-        return [line for line in found if np.isfinite(line).all()]
+        lines = [self._workspace.hand.pixels_of(path) for path in self._mark.ways()]
+        return [line for line in lines if np.isfinite(line).all()]
 
     def _grip_at(self, at: QtCore.QPointF) -> str:
         for name, grip in self.grips().items():
@@ -180,7 +180,7 @@ class StrokeChooser(CanvasTool):
         return ""
 
     def _change(self) -> dict[str, Any]:
-        """By how much the drag moves, turns (rad, to the left) or scales what is chosen."""
+        """Return how far the drag moves, turns (rad, to the left) or scales the chosen strokes."""
         box = self._box()
         if box is None or len(self._loop) < 2 or self._doing in ("", "loop"):
             return {}
@@ -225,7 +225,7 @@ class StrokeChooser(CanvasTool):
 
 
 def _within(points: AnyArray, loop: AnyArray) -> NDArray[np.bool_]:
-    """(N,) bool: whether points (N, 2) lie within a closed line (K, 2), by the even-odd rule."""
+    """Return whether points (N, 2) lie within a closed line (K, 2), by the even-odd rule."""
     x, y = points[:, 0, None], points[:, 1, None]
     x0, y0 = loop[:, 0], loop[:, 1]
     x1, y1 = np.roll(x0, -1), np.roll(y0, -1)

@@ -1,4 +1,4 @@
-"""Going back in the history of strokes, and edits of one: what has to be is painted again."""
+"""Going back in the history of strokes, and editing strokes, which repaints what follows."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ class Recalling:
     ----------
     workspace : Workspace
     refused : callable
-        Told when it was stopped, or failed.
+        Called when it was stopped, or failed.
     """
 
     def __init__(self, workspace: Workspace, refused: Callable[[], None]) -> None:
@@ -66,7 +66,7 @@ class Recalling:
             self._refused()
 
     def undo(self) -> None:
-        """Take the last step back; where no step does, the strokes are painted again first."""
+        """Undo the last step; where no step is saved, repaint the strokes before it."""
         painting, paint_thread = self._workspace.painting, self._workspace.paint_thread
         if paint_thread.is_behind or painting.has_steps or not painting.can_undo:
             self._workspace.post("undo")
@@ -74,8 +74,8 @@ class Recalling:
             self.go_to(len(painting.strokes) - 1)
 
 
-# ---- Questions -----------------------------------------------------------------------------------
-# By how much a stroke is moved, and how long it is to take: two small questions.
+# ---- Dialogs -------------------------------------------------------------------------------------
+# A stroke's distance, shape and time.
 
 
 _FARTHEST_MM, _LATEST_S = 2000.0, 600.0
@@ -83,7 +83,7 @@ _SHORTEST_S, _LONGEST = 0.01, 100.0  # s, and times as long
 
 
 class MoveDialog(FormDialog):
-    """Ask how far along the surface, and how far about its normal.
+    """Asks how far a stroke moves along the surface and turns about its normal.
 
     Parameters
     ----------
@@ -102,13 +102,13 @@ class MoveDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.apply_stroke_edit` takes it."""
+        """The chosen edit, as `score_edits.apply_stroke_edit` takes it."""
         along = [self.right.value(), self.up.value()]
         return {"do": "move", "along": along, "turn_deg": self.turn.value()}
 
 
 class ShapeDialog(FormDialog):
-    """Ask how far several strokes are moved along the surface, turned about it, and scaled.
+    """Asks how far several strokes are moved along the surface, turned about it, and scaled.
 
     Parameters
     ----------
@@ -129,18 +129,18 @@ class ShapeDialog(FormDialog):
 
     @property
     def edits(self) -> list[dict[str, Any]]:
-        """What was chosen, as `score_edits.apply_stroke_edit` takes it, one after the other."""
+        """The chosen edits, each as `score_edits.apply_stroke_edit` takes it."""
         along, turn = [self.right.value(), self.up.value()], self.turn.value()
-        found: list[dict[str, Any]] = []
+        chosen: list[dict[str, Any]] = []
         if any(along) or turn:
-            found.append({"do": "move", "along": along, "turn_deg": turn})
+            chosen.append({"do": "move", "along": along, "turn_deg": turn})
         if self.scale.value() != 100.0:
-            found.append({"do": "scale", "factor": 0.01 * self.scale.value()})
-        return found
+            chosen.append({"do": "scale", "factor": 0.01 * self.scale.value()})
+        return chosen
 
 
 class TimeDialog(FormDialog):
-    """Ask how long a stroke is to take, and how much later it is to begin.
+    """Asks how long a stroke is to take, and how much later it is to begin.
 
     Parameters
     ----------
@@ -162,7 +162,7 @@ class TimeDialog(FormDialog):
 
     @property
     def edit(self) -> dict[str, Any]:
-        """What was chosen, as `score_edits.apply_stroke_edit` takes it."""
+        """The chosen edit, as `score_edits.apply_stroke_edit` takes it."""
         words: dict[str, Any] = {"do": "time", "shift_s": self.shift.value()}
         if abs(self.seconds.value() - self._was) > 0.005:  # of what the box shows
             words["seconds"] = self.seconds.value()
@@ -173,7 +173,7 @@ class TimeDialog(FormDialog):
 
 
 class StrokeEditing:
-    """Edits of strokes as they are asked for in the history, the menus and the picture.
+    """Edits of strokes, from the history, the menus and the picture.
 
     Parameters
     ----------
@@ -205,7 +205,7 @@ class StrokeEditing:
     # -- several ----------------------------------------------------------------------------
 
     def do_choose_strokes(self, on: bool) -> None:
-        """Let drags choose strokes, or paint again."""
+        """Switch between drags that choose strokes and drags that paint."""
         if on:
             self.chooser.begin()
         else:
@@ -217,23 +217,23 @@ class StrokeEditing:
             action.setChecked(on)
 
     def do_mirror_strokes(self) -> None:
-        """Mirror what is chosen, left and right."""
+        """Mirror the chosen strokes, left and right."""
         self.edit_chosen({"do": "mirror"})
 
     def do_ink_strokes(self) -> None:
-        """Paint what is chosen in the ink in hand."""
+        """Paint the chosen strokes in the ink in hand."""
         self.edit_chosen({"do": "ink", "ink": self._workspace.painting.dipped})
 
     def do_brush_strokes(self) -> None:
-        """Paint what is chosen with the brush in hand."""
+        """Paint the chosen strokes with the brush in hand."""
         self.edit_chosen({"do": "brush", "brush": self._workspace.paint_thread.brush})
 
     def do_delete_strokes(self) -> None:
-        """Delete what is chosen."""
+        """Delete the chosen strokes."""
         self.edit_chosen({"do": "delete"})
 
     def do_shape_strokes(self) -> None:
-        """Ask by how much what is chosen is moved, turned and scaled."""
+        """Ask how far the chosen strokes are moved, turned and scaled."""
         if self._are_chosen():
             dialog = ShapeDialog(self._workspace.window, len(self._mark.indices))
             if dialog.exec() == QtWidgets.QDialog.DialogCode.Accepted:
@@ -247,13 +247,13 @@ class StrokeEditing:
         return bool(self._mark.indices)
 
     def edit_chosen(self, edit: Mapping[str, Any]) -> bool:
-        """Edit the strokes that are chosen as one; whether that went well."""
+        """Edit the chosen strokes as one; return whether that succeeded."""
         return self._are_chosen() and self.run_edit(self._mark.indices, edit)
 
     # -- one --------------------------------------------------------------------------------
 
     def ask(self, what: str, index: int) -> None:
-        """Do what was chosen for a stroke.
+        """Do an edit of a stroke, after asking for its numbers.
 
         Parameters
         ----------
@@ -288,7 +288,7 @@ class StrokeEditing:
             self.run_edit([index], edit)
 
     def run_edit(self, indices: Sequence[int], edit: Mapping[str, Any]) -> bool:
-        """Edit strokes, several as one; say whether that went well.
+        """Edit strokes, several as one; return whether that succeeded.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""The strokes that are chosen, marked in the picture: a band along the way of each."""
+"""The chosen strokes, marked in the picture by a band along the path of each."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ from paint3d.recording.score_edits import pressed_positions
 
 __all__ = ["StrokeDrag", "StrokeMark", "ways_of"]
 
-_STEP_MM = 0.4  # between the points of a way
+_STEP_MM = 0.4  # between the points of a path
 _MOST = 4000  # points of a piece
 _LIFT_MM = 0.1  # of each band above the one below
 _DOT_MM, _ROUND = 0.8, 24  # the ring around a stroke that went nowhere, and its points
-_LEAST_REACH_MM = 1.0  # from its way that a place belongs to a stroke, however thin the brush
+_LEAST_REACH_MM = 1.0  # from a stroke's path, within which it is hit, however thin its brush
 _BANDS = (("chosen glow", 13.0, 80), ("chosen rim", 7.0, 235), ("chosen way", 3.0, 255))
-"""What is drawn, the lowest first: name, width in pixels, how dense."""
-_OTHER_SCALE = 1.5  # a picture so many times as near has the bands drawn anew
+"""Bands, the lowest first: name, width in pixels, density."""
+_OTHER_SCALE = 1.5  # change of the view's scale after which the bands are drawn anew
 
 
 def ways_of(stroke: Stroke, ground: ClosestPoints) -> list[AnyArray]:
-    """The pieces (K, 3) of a stroke in which its brush pressed, on the surface, mm.
+    """Return the pieces (K, 3) of a stroke in which its brush pressed, on the surface, mm.
 
     Parameters
     ----------
@@ -38,42 +38,42 @@ def ways_of(stroke: Stroke, ground: ClosestPoints) -> list[AnyArray]:
     ground : ClosestPoints
         Of the object.
     """
-    places, pressed = pressed_positions(stroke.recording())
+    points, pressed = pressed_positions(stroke.recording())
     edges = np.flatnonzero(np.diff(np.concatenate([[False], pressed, [False]]).astype(np.int8)))
-    return [_piece(places[a:b], ground) for a, b in edges.reshape(-1, 2)]
+    return [_line_on(points[a:b], ground) for a, b in edges.reshape(-1, 2)]
 
 
-def _piece(places: AnyArray, ground: ClosestPoints) -> AnyArray:
-    """A line through places, on the surface; a ring where they are one."""
-    length = line_length(places)
+def _line_on(points: AnyArray, ground: ClosestPoints) -> AnyArray:
+    """Return a line through points, on the surface; a ring where they are one point."""
+    length = line_length(points)
     if length < 0.5 * _DOT_MM:
-        return _ring(places[0], ground)
+        return _ring_on(points[0], ground)
     n = int(np.clip(np.ceil(length / _STEP_MM), 1, _MOST)) + 1
-    return ground.find(resample_to(places, n)).points
+    return ground.find(resample_to(points, n)).points
 
 
-def _ring(place: AnyArray, ground: ClosestPoints) -> AnyArray:
-    found = ground.find(place[None])
-    normal = found.normals[0]
+def _ring_on(point: AnyArray, ground: ClosestPoints) -> AnyArray:
+    foot = ground.find(point[None])
+    normal = foot.normals[0]
     first = np.cross(normal, np.eye(3)[int(np.argmin(np.abs(normal)))])
     first /= np.linalg.norm(first)
     angle = np.linspace(0.0, 2.0 * np.pi, _ROUND + 1)[:, None]
     ring = np.cos(angle) * first + np.sin(angle) * np.cross(normal, first)
-    return ground.find(found.points[0] + _DOT_MM * ring).points
+    return ground.find(foot.points[0] + _DOT_MM * ring).points
 
 
 def _bands(
     lines: Sequence[AnyArray], ground: ClosestPoints, width_mm: float, lift_mm: float
 ) -> tuple[AnyArray, AnyArray]:
-    """Bands along lines (K, 3) that lie on the surface: points (N, 3), mm, and faces (L, 3)."""
+    """Return bands along lines (K, 3) on the surface: points (N, 3), mm, and faces (L, 3)."""
     points, faces, first = [], [], 0
     for line in lines:
-        found = ground.find(line)
+        feet = ground.find(line)
         ahead = np.gradient(line, axis=0)
-        side = np.cross(found.normals, ahead)
+        side = np.cross(feet.normals, ahead)
         side *= 0.5 * width_mm / np.maximum(np.linalg.norm(side, axis=1), 1e-9)[:, None]
         for edge in (side, -side):
-            there = ground.find(found.points + edge)
+            there = ground.find(feet.points + edge)
             points.append(there.points + lift_mm * there.normals)
         k = first + np.arange(len(line) - 1)
         n = len(line)
@@ -128,7 +128,7 @@ class StrokeMark(QtCore.QObject):
         self.changed.emit(self.indices or None)
 
     def follow(self) -> None:
-        """Let the mark go with its stroke: when that is undone, deleted, or painted anew."""
+        """Drop the mark when its stroke is undone, deleted, or painted anew."""
         if not self._marked:
             return
         scale = self._workspace.stage.scene.nearest_mm() / self._pixel_mm
@@ -141,18 +141,22 @@ class StrokeMark(QtCore.QObject):
         elif self._was_there or any(id(one) not in known for one in self._marked):
             self.choose(None)
 
-    def stroke_at(self, place: AnyArray) -> int | None:
-        """The index of the stroke whose way comes nearest to a place (3,), if it lies on it."""
-        best, found = np.inf, None
+    def stroke_at(self, point: AnyArray) -> int | None:
+        """Return the index of the stroke nearest to a point (3,), None if none is near enough."""
+        best, nearest = np.inf, None
         for index, stroke in enumerate(self._workspace.painting.strokes):
-            near = _distance(ways_of(stroke, self._workspace.hand.surface), place)
+            paths = ways_of(stroke, self._workspace.hand.surface)
+            near = min(
+                (float(np.linalg.norm(path - point, axis=1).min()) for path in paths),
+                default=np.inf,
+            )
             reach = max(_LEAST_REACH_MM, 0.5 * stroke.brush.root_diameter_mm)
             if near <= min(best, reach):  # of two that are as near the upper one
-                best, found = near, index
-        return found
+                best, nearest = near, index
+        return nearest
 
     def ways(self) -> list[AnyArray]:
-        """The ways (K, 3) of the strokes that are marked, on the surface, mm."""
+        """Return the paths (K, 3) of the marked strokes, on the surface, mm."""
         ground = self._workspace.hand.surface
         return [way for stroke in self._marked for way in ways_of(stroke, ground)]
 
@@ -174,33 +178,28 @@ class StrokeMark(QtCore.QObject):
             stage.show_faces(name, points, faces, (*srgb, dense))
 
 
-def _distance(ways: Sequence[AnyArray], place: AnyArray) -> float:
-    """From a place (3,) to the nearest point of lines, mm."""
-    return min((float(np.linalg.norm(way - place, axis=1).min()) for way in ways), default=np.inf)
-
-
 # ---- Dragging ------------------------------------------------------------------------------------
-# A stroke that is dragged to another place: where it is taken hold of, and where let go.
+# A stroke that is dragged from one point of the object to another.
 
 
 _RADIUS, _WIDTH = 6.0, 2.0  # of what is drawn, pixels
 
 
 class StrokeDrag(CanvasTool):
-    """Waits for one drag over the picture by mouse, pen or finger, which does not paint.
+    """A tool for one drag over the picture by mouse, pen or finger, which does not paint.
 
     Parameters
     ----------
     workspace : Workspace
     stroke_at : callable
-        The index of the stroke that lies at a place (3,) of the object, from 0, or None.
+        Returns the index of the stroke at a point (3,) of the object, from 0, or None.
 
     Signals
     -------
     chosen : int
-        The stroke that was taken hold of, where none was named.
+        The stroke that is dragged, where none was named.
     dragged : (int, object)
-        The stroke, and two places (2, 3) on the object: where it began and where it ended.
+        The stroke, and two points (2, 3) of the object: where the drag began and where it ended.
     """
 
     chosen = QtCore.Signal(int)
@@ -214,12 +213,12 @@ class StrokeDrag(CanvasTool):
         super().__init__(workspace)
         self._stroke_at = stroke_at
         self._named_index: int | None = None  # the stroke that is to be moved
-        self._held_index: int | None = None  # the one that is held
+        self._dragged_index: int | None = None  # the one that is dragged
         self._from: tuple[QtCore.QPointF, AnyArray] | None = None
         self._now = QtCore.QPointF()
 
     def begin(self, index: int | None = None) -> None:
-        """Let the next drag move this stroke, or the one at which it begins."""
+        """Make the next drag move this stroke, or the one at which it begins."""
         self.end()
         self._named_index = index
         self.turn_on(
@@ -229,29 +228,29 @@ class StrokeDrag(CanvasTool):
         )
 
     def drop(self) -> None:
-        """Hold nothing."""
-        self._held_index = self._from = None
+        """Drop the stroke."""
+        self._dragged_index = self._from = None
         self._canvas.setCursor(self.cursor)
 
-    def _place(self) -> AnyArray | None:
+    def _point(self) -> AnyArray | None:
         return self._workspace.hand.place_at(self._now.x(), self._now.y())
 
     def take_hold(self, at: QtCore.QPointF, *, adds: bool) -> None:
-        """Take hold of the stroke there, or of the one that was named."""
+        """Begin to drag the stroke there, or the one that was named."""
         self._now = at
-        place = self._place()
-        if place is None:
+        point = self._point()
+        if point is None:
             self._workspace.tell(say("That is beside the object"), state="bad")
             return
-        self._held_index = (
-            self._stroke_at(place) if self._named_index is None else self._named_index
+        self._dragged_index = (
+            self._stroke_at(point) if self._named_index is None else self._named_index
         )
-        if self._held_index is None:
+        if self._dragged_index is None:
             self._workspace.tell(say("There is no stroke there"), state="bad")
             return
         if self._named_index is None:
-            self.chosen.emit(self._held_index)
-        self._from = self._now, place
+            self.chosen.emit(self._dragged_index)
+        self._from = self._now, point
         self._canvas.setCursor(QtCore.Qt.CursorShape.ClosedHandCursor)
 
     def drag(self, at: QtCore.QPointF) -> None:
@@ -259,20 +258,20 @@ class StrokeDrag(CanvasTool):
         self._now = at
 
     def let_go(self, at: QtCore.QPointF) -> None:
-        """Have it moved there."""
+        """End the drag, and move the stroke there."""
         self._now = at
-        held, place, index = self._from, self._place(), self._held_index
-        if held is None or index is None:
+        start, point, index = self._from, self._point(), self._dragged_index
+        if start is None or index is None:
             return
-        way = self._now - held[0]
-        if self._named_index is None and abs(way.x()) + abs(way.y()) < CLICK:
+        shift = self._now - start[0]
+        if self._named_index is None and abs(shift.x()) + abs(shift.y()) < CLICK:
             self.drop()
-        elif place is None:
+        elif point is None:
             self.drop()
             self._workspace.tell(say("That is beside the object"), state="bad")
         else:
             self.end()
-            self.dragged.emit(index, (held[1], place))
+            self.dragged.emit(index, (start[1], point))
 
     def paint(self, painter: QtGui.QPainter) -> None:
         """Draw how far it is dragged."""

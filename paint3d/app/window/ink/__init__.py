@@ -1,1 +1,1 @@
-"""Inks: the panel, mixing a colour, tables of one's own."""
+"""Inks: the panel, mixing a colour, the user's tables."""

@@ -1,4 +1,4 @@
-"""Inks of one's own in the studio: any colour as a mixture, tables of pigments, pick-up."""
+"""The user's own inks: any colour as a mixture, tables of pigments, pick-up."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class ColourDialog(QtWidgets.QDialog):
     parent : QWidget
     theme : Theme
     ground : (31,)
-        Reflectance of what is painted on.
+        Reflectance of the material painted on.
     pigments : sequence of Pigment
         That can be mixed.
 
@@ -90,13 +90,13 @@ class ColourDialog(QtWidgets.QDialog):
         self.picker.setCurrentColor(QtGui.QColor("#b5432f"))
         column = QtWidgets.QVBoxLayout(self)
         column.addWidget(self.picker)
-        column.addLayout(self._make_found())
+        column.addLayout(self._make_result())
         self._timer = QtCore.QTimer(self, interval=_LOOK_MS)
         self._timer.timeout.connect(self._look)
         self.picker.currentColorChanged.connect(self.ask)
         self.ask(self.picker.currentColor())
 
-    def _make_found(self) -> QtWidgets.QGridLayout:
+    def _make_result(self) -> QtWidgets.QGridLayout:
         grid = QtWidgets.QGridLayout()
         self.wanted, self.coat = QtWidgets.QLabel(), QtWidgets.QLabel()
         self.message_label = QtWidgets.QLabel()
@@ -131,11 +131,11 @@ class ColourDialog(QtWidgets.QDialog):
 
     @property
     def is_busy(self) -> bool:
-        """Whether the mixture that is shown is not yet that of the colour."""
+        """True if the mixture that is shown is not yet that of the colour."""
         return self._next is not None or self._coming is not None
 
     def ask(self, colour: QtGui.QColor) -> None:
-        """Look for the mixture nearest to a colour."""
+        """Find the mixture nearest to a colour."""
         self._next = QtGui.QColor(colour)
         self._paint(self.wanted, self._next)
         self._enable(False)
@@ -164,17 +164,17 @@ class ColourDialog(QtWidgets.QDialog):
         if error is not None:
             self.message_label.setText(say_error(error))
             return
-        found = self.nearest = coming.result()
-        self._paint(self.coat, QtGui.QColor(*found.srgb))
+        nearest = self.nearest = coming.result()
+        self._paint(self.coat, QtGui.QColor(*nearest.srgb))
         parts = ", ".join(
-            f"{ink_label(ink)} {100 * fraction:.3g} %" for ink, fraction in found.parts.items()
+            f"{ink_label(ink)} {100 * fraction:.3g} %" for ink, fraction in nearest.parts.items()
         )
         how = (
-            say("hardly to be seen") if found.difference < _GOOD
-            else say("seen side by side") if found.difference < _FAIR
+            say("hardly to be seen") if nearest.difference < _GOOD
+            else say("seen side by side") if nearest.difference < _FAIR
             else say("no mixture of these inks comes nearer")
         )  # fmt: skip
-        self.message_label.setText(f"{parts}\nΔE00 {found.difference:.1f}, {how}")
+        self.message_label.setText(f"{parts}\nΔE00 {nearest.difference:.1f}, {how}")
         self._enable(self._next is None)
 
     def _paint(self, label: QtWidgets.QLabel, colour: QtGui.QColor) -> None:
@@ -188,12 +188,12 @@ class ColourDialog(QtWidgets.QDialog):
         painter.end()
         label.setPixmap(pixmap)
 
-    def _give(self, tell: Callable[[Nearest], None]) -> None:
+    def _give(self, emit: Callable[[Nearest], None]) -> None:
         if self.nearest is not None:
-            tell(self.nearest)
+            emit(self.nearest)
 
     def done(self, result: int) -> None:
-        """Look for nothing more once it is closed."""
+        """Stop the search when it is closed."""
         self._timer.stop()
         self._next = None
         self._worker.shutdown(wait=False, cancel_futures=True)
@@ -204,7 +204,7 @@ class ColourDialog(QtWidgets.QDialog):
 
 
 class InkMaking:
-    """Commands that make inks of one's own: mixtures, tables; ``do_<action>`` for each.
+    """Commands for the user's own inks: mixtures, tables; ``do_<action>`` for each.
 
     Attributes
     ----------
@@ -228,16 +228,16 @@ class InkMaking:
             lambda mixtures: workspace.update_settings(mixtures=mixtures)
         )
         workspace.hand.began.connect(self._dip_by_itself)
-        self._take_kept()
+        self._load_tables()
         panels.inks.show_last(workspace.settings.mixtures)
 
     def _choose_amount(self, words: Mapping[str, float] | None) -> None:
         self._workspace.amount = words
 
     def _dip_by_itself(self) -> None:
-        """Before a stroke: dip the brush where too little of the last dip is left, if wanted.
+        """Dip the brush before a stroke if little of the last dip is left and the setting is on.
 
-        One that was rinsed stays so: it holds nothing, which none that only ran dry does.
+        A rinsed brush stays so: it holds nothing at all, unlike one that ran dry.
         """
         workspace = self._workspace
         if not workspace.settings.dips_by_itself:
@@ -250,8 +250,8 @@ class InkMaking:
             )
             workspace.tell(message)
 
-    def _take_kept(self) -> None:
-        """Put the pigments of the tables that were opened before among the dishes."""
+    def _load_tables(self) -> None:
+        """Add the pigments of the tables that were opened before to the dishes."""
         tables = self._workspace.settings.pigment_tables
         if not tables:
             return
@@ -263,7 +263,7 @@ class InkMaking:
             self._workspace.tell_first("; ".join(map(say_error, own.problems)))
 
     def do_choose_colour(self) -> None:
-        """Let a colour be chosen, and mix what comes nearest."""
+        """Ask for a colour, and mix the nearest."""
         self.close_down()
         workspace, inks = self._workspace, self._panels.inks
         ground = workspace.painting.material.reflectance
@@ -275,7 +275,7 @@ class InkMaking:
         dialog.show()
 
     def mix_colour(self, colour: QtGui.QColor) -> None:
-        """Mix what comes nearest to a colour."""
+        """Mix the nearest to a colour."""
         self.do_choose_colour()
         assert self.dialog is not None, "it was opened"
         self.dialog.picker.setCurrentColor(colour)
@@ -295,7 +295,7 @@ class InkMaking:
         self._panels.inks.dip_mixture()
 
     def do_open_pigments(self) -> None:
-        """Ask for a table of pigments, and put them among the dishes."""
+        """Ask for a table of pigments, and add them to the dishes."""
         path = ask_file(
             self._workspace.window,
             say("Open a table of pigments…").rstrip("…"),
@@ -305,19 +305,19 @@ class InkMaking:
             self.open_table(path)
 
     def open_table(self, path: str | Path) -> bool:
-        """Put the pigments of a table among the dishes; what is wrong is told in one line."""
-        kept = self._workspace.settings.pigment_tables
+        """Add a table's pigments to the dishes; show a fault; return whether that succeeded."""
+        tables = self._workspace.settings.pigment_tables
         try:
             self._panels.inks.add_pigments(load_pigments_csv(path).values(), str(path))
             table = {os.path.abspath(path): fingerprint_of(path)}
-            self._workspace.update_settings(pigment_tables={**kept, **table})
+            self._workspace.update_settings(pigment_tables={**tables, **table})
         except Paint3DError as error:
             self._workspace.tell(say_error(error), state="bad", stays=True)
             return False
         return True
 
     def do_forget_pigments(self) -> None:
-        """Take all pigments of one's own off the dishes; their tables are read no more."""
+        """Remove all of the user's own pigments; their tables are read no more."""
         self.close_down()
         self._panels.inks.put_away_own()
         self._workspace.update_settings(pigment_tables={})

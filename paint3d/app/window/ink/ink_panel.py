@@ -39,7 +39,7 @@ _ICON = QtCore.QSize(26, 18)
 
 
 def in_tone(parts: Mapping[str | Pigment, float], fraction: float) -> dict[str | Pigment, float]:
-    """A mixture with so much of it ink, 0 to 1, and the rest water; the inks keep their ratio."""
+    """Return a mixture with this fraction of ink, 0 to 1, the rest water; inks keep their ratio."""
     inked = _without_water(parts)
     total = sum(inked.values())
     if not total:
@@ -58,7 +58,7 @@ class ToneRow(QtWidgets.QWidget):
     Signals
     -------
     chosen : float
-        How much of the tone is ink.
+        Fraction of the tone that is ink.
     """
 
     chosen = QtCore.Signal(float)
@@ -82,7 +82,7 @@ class ToneRow(QtWidgets.QWidget):
             self.buttons[name] = button
 
     def show_names(self, shown: bool) -> None:
-        """Show what the tones are called, or leave that to the tips."""
+        """Show the tones' names, or leave them to the tool tips."""
         style = QtCore.Qt.ToolButtonStyle
         for button in self.buttons.values():
             button.setToolButtonStyle(
@@ -136,13 +136,13 @@ _KEY = QtCore.Qt.Key
 
 
 def _parts(ink: Ink) -> dict[str, float]:
-    """Parts of an ink by name."""
+    """Return the parts of an ink by name."""
     stirred: Mapping[Any, float] = ink if isinstance(ink, Mapping) else {ink: 1.0}
     return {key if isinstance(key, str) else key.name: part for key, part in stirred.items()}
 
 
 def ink_label(ink: str | Pigment) -> str:
-    """The name of an ink, or of one by its name, in the language that is spoken."""
+    """Return an ink's name in the window's language."""
     pigment = load_pigment(ink) if isinstance(ink, str) else ink
     return pigment.chinese if language() == "zh" and pigment.chinese else pigment.name
 
@@ -153,7 +153,7 @@ def paint_dish(
     parts: Mapping[Any, float],
     theme: Theme,
 ) -> None:
-    """A porcelain dish with ink in it: deep in the middle, a wash toward the rim."""
+    """Draw a porcelain dish with ink in it: deep in the middle, a wash toward the rim."""
     painter.setPen(QtGui.QPen(QtGui.QColor(theme.line), 1.2))
     rim = QtGui.QRadialGradient(box.center(), box.width() / 2)
     rim.setColorAt(0.0, QtGui.QColor("#f7f5f1"))
@@ -167,10 +167,9 @@ def paint_dish(
     inner = box.adjusted(*(box.width() * 0.11 * np.array([1, 1, -1, -1])))
     shades = ink_swatch(sorted_parts(pigments))
     fill = QtGui.QRadialGradient(inner.center() + QtCore.QPointF(0, 2), inner.width() / 2)
-    for k, fraction in enumerate(np.linspace(0.0, 1.0, 9)):
+    for fraction in np.linspace(0.0, 1.0, 9):
         shade = shades[int((1.0 - fraction**3) * (len(shades) - 1))]
         fill.setColorAt(float(fraction), QtGui.QColor(*(int(c) for c in shade)))
-        del k
     painter.setPen(QtCore.Qt.PenStyle.NoPen)
     painter.setBrush(fill)
     painter.drawEllipse(inner)
@@ -187,11 +186,11 @@ _TONES = {
     "light": Message("Light"),
     "clear": Message("Clear"),
 }
-"""What the tones are called."""
+"""Names of the tones."""
 
 
 def _percents(low: float, high: float, hint: str) -> QtWidgets.QDoubleSpinBox:
-    """A box for a fraction in percent."""
+    """Return a box for a fraction in percent."""
     box = QtWidgets.QDoubleSpinBox()
     box.setRange(low, high)
     box.setDecimals(1)
@@ -203,12 +202,12 @@ def _percents(low: float, high: float, hint: str) -> QtWidgets.QDoubleSpinBox:
 
 
 def _percent(part: float) -> str:
-    """A fraction in percent: whole ones, and more digits below one."""
+    """Format a fraction in percent: whole ones, and two digits below one."""
     return f"{100 * part:.0f}" if part >= 0.01 else f"{100 * part:.2g}"
 
 
 def _paint_plus(painter: QtGui.QPainter, middle: QtCore.QPointF, theme: Theme) -> None:
-    """Say that a dish has been pressed long enough to stir."""
+    """Draw the sign that a dish has been pressed long enough to stir."""
     painter.setPen(QtCore.Qt.PenStyle.NoPen)
     painter.setBrush(QtGui.QColor(theme.accent))
     painter.drawEllipse(middle, 9.0, 9.0)
@@ -244,7 +243,7 @@ class DishGrid(QtWidgets.QWidget):
         self.setAccessibleName(say("Inks"))
         self._at = -1
         self._pressed, self._pressed_ms = -1, 0
-        # The plus shows that it is long enough: never before the events say so.
+        # A millisecond later than the limit: the plus never shows before a release would stir.
         self._long = QtCore.QTimer(self, singleShot=True, interval=_LONG_MS + 1)
         self._long.setTimerType(QtCore.Qt.TimerType.PreciseTimer)
         self._long.timeout.connect(self.update)
@@ -254,18 +253,18 @@ class DishGrid(QtWidgets.QWidget):
 
     @property
     def marked(self) -> str:
-        """The ink of the dish that keys mean, or the pointer is at; empty for none."""
+        """The ink of the dish under the keys' mark or the pointer; empty for none."""
         return self.names[self._at] if self._at >= 0 else ""
 
     def add(self, pigment: Pigment) -> None:
-        """Put a dish of another ink behind the others, or in the place of one of its name."""
+        """Add a dish of an ink behind the others, or replace the one of its name."""
         if pigment.name not in self.pigments:
             self.names.append(pigment.name)
         self.pigments[pigment.name] = pigment
         self._fit()
 
     def put_away_own(self) -> None:
-        """Leave only the dishes of the palette."""
+        """Remove all dishes but those of the palette."""
         self.names = list(load_palette())
         self.pigments = {name: self.pigments[name] for name in self.names}
         self._at = -1
@@ -278,20 +277,20 @@ class DishGrid(QtWidgets.QWidget):
         self.update()
 
     def columns(self, width: int) -> int:
-        """How many dishes fit beside each other."""
+        """Return the number of dishes that fit beside each other."""
         return max(1, (width - _GAP) // (_DISH + _GAP))
 
     def heightForWidth(self, width: int) -> int:
-        """What its rows need."""
+        """Return the height of the rows."""
         rows = -(-len(self.names) // self.columns(width))
         return rows * _ROW + _GAP
 
     def sizeHint(self) -> QtCore.QSize:
-        """As wide as it is."""
+        """Return the current width, and the height that it needs."""
         return QtCore.QSize(280, self.heightForWidth(max(self.width(), 200)))
 
     def box(self, index: int) -> QtCore.QRectF:
-        """Where a dish stands."""
+        """Return a dish's rectangle."""
         columns = self.columns(self.width())
         step = (self.width() - _GAP) / columns
         x = _GAP / 2 + (index % columns) * step + (step - _DISH) / 2
@@ -333,14 +332,14 @@ class DishGrid(QtWidgets.QWidget):
             painter.drawText(label, QtCore.Qt.AlignmentFlag.AlignCenter, text)
         painter.end()
 
-    def _index(self, place: QtCore.QPointF) -> int:
+    def _index(self, position: QtCore.QPointF) -> int:
         for k in range(len(self.names)):
-            if self.box(k).adjusted(-4, -4, 4, _LABEL).contains(place):
+            if self.box(k).adjusted(-4, -4, 4, _LABEL).contains(position):
                 return k
         return -1
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Mark the dish under the pointer, and say what it is."""
+        """Mark the dish under the pointer, and set its tool tip."""
         at = self._index(event.position())
         if at != self._at:
             self._at = at
@@ -348,12 +347,12 @@ class DishGrid(QtWidgets.QWidget):
             self.update()
 
     def leaveEvent(self, event: QtCore.QEvent) -> None:
-        """Mark none."""
+        """Unmark the dish."""
         self._at = -1
         self.update()
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Stir with the other button or Ctrl; else see how long it is pressed."""
+        """Stir with the other button or Ctrl; else begin to time the press."""
         at, left = self._index(event.position()), QtCore.Qt.MouseButton.LeftButton
         if at < 0 or (event.button() != left and event.buttons() & left):
             return
@@ -367,21 +366,19 @@ class DishGrid(QtWidgets.QWidget):
             self._long.start()
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Dip where it was pressed, or stir if that was long.
-
-        How long, the events' own times tell: a busy window hears late that a short press is over.
-        """
+        """Dip in the dish that was pressed, or stir if the press was long."""
         if event.buttons() & QtCore.Qt.MouseButton.LeftButton:
-            return  # another button was let go of
+            return  # another button was released
         pressed, self._pressed = self._pressed, -1
         self._long.stop()
         self.update()
         if pressed >= 0 and self._index(event.position()) == pressed:
+            # by the events' own times: a busy window gets the release of a short press late
             is_long = event.timestamp() - self._pressed_ms >= _LONG_MS
             (self.stirred if is_long else self.taken).emit(self.names[pressed])
 
     def focusInEvent(self, event: QtGui.QFocusEvent) -> None:
-        """Mark the dish that keys mean."""
+        """Mark the dish that keys act on."""
         super().focusInEvent(event)
         if self._at < 0:
             self._point(self.names.index(self.chosen) if self.chosen in self.names else 0)
@@ -389,13 +386,13 @@ class DishGrid(QtWidgets.QWidget):
     def keyPressEvent(self, event: QtGui.QKeyEvent) -> None:
         """Go from dish to dish, dip with Enter or Space, stir with +, take out with -."""
         key, at = event.key(), max(self._at, 0)
-        ways: dict[int, int] = {
+        steps: dict[int, int] = {
             _KEY.Key_Left: -1, _KEY.Key_Right: 1,
             _KEY.Key_Up: -self.columns(self.width()), _KEY.Key_Down: self.columns(self.width()),
         }  # fmt: skip
-        if key in ways:
-            if 0 <= at + ways[key] < len(self.names):
-                self._point(at + ways[key])
+        if key in steps:
+            if 0 <= at + steps[key] < len(self.names):
+                self._point(at + steps[key])
         elif key in (_KEY.Key_Return, _KEY.Key_Enter, _KEY.Key_Space):
             self.taken.emit(self.names[at])
         elif key in (_KEY.Key_Plus, _KEY.Key_Equal):
@@ -406,9 +403,9 @@ class DishGrid(QtWidgets.QWidget):
             super().keyPressEvent(event)
 
     def event(self, event: QtCore.QEvent) -> bool:
-        """Have + and - before the view does, while the dishes have the focus."""
-        asked = event.type() == QtCore.QEvent.Type.ShortcutOverride
-        if asked and isinstance(event, QtGui.QKeyEvent) and event.key() in (
+        """Take + and - before the view's shortcuts do, while the dishes have the focus."""
+        is_override = event.type() == QtCore.QEvent.Type.ShortcutOverride
+        if is_override and isinstance(event, QtGui.QKeyEvent) and event.key() in (
             _KEY.Key_Plus, _KEY.Key_Equal, _KEY.Key_Minus,
         ):  # fmt: skip
             event.accept()
@@ -416,7 +413,7 @@ class DishGrid(QtWidgets.QWidget):
         return super().event(event)
 
     def _point(self, at: int) -> None:
-        """Mark a dish, and let it be seen."""
+        """Mark a dish, and scroll to it."""
         self._at = at
         self.setToolTip(_tool_tip(self.pigments[self.names[at]]))
         self.update()
@@ -446,7 +443,7 @@ class _MixingDish(QtWidgets.QWidget):
         self.fit(True)
 
     def fit(self, has_room: bool) -> None:
-        """Be large, or smaller where room is short."""
+        """Take the large size, or the small one where room is short."""
         side = 74 if has_room else 60
         self.setFixedSize(side, side)
 
@@ -465,9 +462,9 @@ class MixtureRow(QtWidgets.QWidget):
     Signals
     -------
     chosen : int
-        One was clicked: the brush is to be dipped in it.
+        Clicked: the brush is to be dipped in it.
     asked_back : int
-        It was clicked with the other button or with Ctrl: it is to be in the mixing dish.
+        Clicked with the other button or with Ctrl: it is to go back into the mixing dish.
     """
 
     chosen = QtCore.Signal(int)
@@ -497,18 +494,18 @@ class MixtureRow(QtWidgets.QWidget):
         row.addStretch(1)
 
     def _clicked(self, index: int) -> None:
-        held = QtWidgets.QApplication.keyboardModifiers()
-        back = bool(held & QtCore.Qt.KeyboardModifier.ControlModifier)
-        (self.asked_back if back else self.chosen).emit(index)
+        modifiers = QtWidgets.QApplication.keyboardModifiers()
+        is_back = bool(modifiers & QtCore.Qt.KeyboardModifier.ControlModifier)
+        (self.asked_back if is_back else self.chosen).emit(index)
 
     def remember(self, parts: Mapping[str, float]) -> None:
         """Put a mixture at the head, once; the oldest goes when the row is full."""
-        shares = _rounded(parts)
-        others = [other for other in self.mixtures if _rounded(other) != shares]
+        rounded = _rounded(parts)
+        others = [other for other in self.mixtures if _rounded(other) != rounded]
         self.mixtures = [dict(parts), *others][:_MOST_MIXTURES]
 
     def show_mixtures(self, pigments: Mapping[str, Pigment], theme: Theme) -> None:
-        """Draw the dishes; those of pigments that are not at hand are not shown."""
+        """Draw the dishes; hide those of pigments that are not loaded."""
         pigments = {WATER.name: WATER, **pigments}
         for index, button in enumerate(self.buttons):
             parts = self.mixtures[index] if index < len(self.mixtures) else {}
@@ -535,7 +532,7 @@ class MixtureRow(QtWidgets.QWidget):
 
 
 def _rounded(parts: Mapping[str, float]) -> dict[str, float]:
-    """Shares of a mixture to a thousandth: those that nobody can tell apart are one."""
+    """Return a mixture's fractions to a thousandth; finer differences are not seen."""
     total = sum(parts.values())
     return {name: round(part / total, 3) for name, part in parts.items() if part > 0.0}
 
@@ -555,7 +552,7 @@ class InkPanel(QtWidgets.QWidget):
     by_itself_chosen : bool
         Whether the brush is dipped before a stroke for which little is left.
     watering : float
-        The share of water that a drag with its key has come to.
+        Fraction of water that a drag with its key has reached.
     colour_asked, table_asked : ()
         Any colour is to be mixed, or a table of pigments to be opened.
     mixtures_changed : tuple of dict of str to float
@@ -576,7 +573,7 @@ class InkPanel(QtWidgets.QWidget):
         super().__init__()
         self.ink: Ink = "pine soot"
         self._stirred: dict[str, float] = {}
-        self._own_mixture: dict[str, float] = {}  # as it was found, until something is stirred in
+        self._own_mixture: dict[str, float] = {}  # mixed elsewhere, until something is stirred in
         self.dishes = DishGrid(list(load_palette()), theme)
         self._mixing = _MixingDish(theme)
         self.message_label = QtWidgets.QLabel()
@@ -625,14 +622,14 @@ class InkPanel(QtWidgets.QWidget):
         self.fold.setChecked(True)
         self.fold.toggled.connect(lambda _: self._fold())
         self._folded_by_hand = False
-        self._ways = self._make_ways()
+        self._dip_box = self._make_dip_box()
         layout.addWidget(scroll, 1)
         layout.addWidget(self.last)
         layout.addWidget(self.tones)
         layout.addWidget(self._make_mixing_card())
         layout.addWidget(self.fold)
-        layout.addWidget(self._ways)
-        self._show_ways()
+        layout.addWidget(self._dip_box)
+        self._show_dip_box()
         self.tones.chosen.connect(self._dip_tone)
         self.last.chosen.connect(lambda at: self._dip(self._of_dishes(self.last.mixtures[at])))
         self.last.asked_back.connect(self._put_back)
@@ -652,8 +649,8 @@ class InkPanel(QtWidgets.QWidget):
         grid.addWidget(self._mixing, 0, 0, 2, 1)
         grid.addWidget(self.message_label, 0, 1)
         row = QtWidgets.QHBoxLayout()
-        self._water_told = QtWidgets.QLabel()
-        row.addWidget(self._water_told)
+        self._water_label = QtWidgets.QLabel()
+        row.addWidget(self._water_label)
         row.addWidget(self.water, 1)
         grid.addLayout(row, 1, 1)
         self._dip_button = QtWidgets.QPushButton(say("Dip"))
@@ -669,10 +666,10 @@ class InkPanel(QtWidgets.QWidget):
         rinse.clicked.connect(self.rinsed)
         return card
 
-    def _make_ways(self) -> QtWidgets.QWidget:
-        """How the brush takes up ink: what is set once, and folded away where room is short."""
-        ways = QtWidgets.QWidget()
-        column = QtWidgets.QVBoxLayout(ways)
+    def _make_dip_box(self) -> QtWidgets.QWidget:
+        """Make the settings of dipping, which are set once, and folded away where room is short."""
+        folded = QtWidgets.QWidget()
+        column = QtWidgets.QVBoxLayout(folded)
         column.setContentsMargins(0, 0, 0, 0)
         column.setSpacing(4)
         row = QtWidgets.QHBoxLayout()
@@ -692,7 +689,7 @@ class InkPanel(QtWidgets.QWidget):
             box.valueChanged.connect(lambda _: self.amount_chosen.emit(self.amount().words()))
         column.addLayout(row)
         column.addLayout(self._make_sources())
-        return ways
+        return folded
 
     def _make_sources(self) -> QtWidgets.QHBoxLayout:
         row = QtWidgets.QHBoxLayout()
@@ -726,48 +723,48 @@ class InkPanel(QtWidgets.QWidget):
         return row
 
     def fit(self, height: int) -> None:
-        """Draw closer together in a window of few pixels.
+        """Fit the panel into a window of so many pixels.
 
-        What is set once is folded away there, until a hand has folded or unfolded it.
+        In a low one the settings of dipping are folded, until the user has folded or unfolded them.
         """
         self.tones.show_names(height >= _LOW)
         self._mixing.fit(height >= _LOW)
         if not self._folded_by_hand:
             with QtCore.QSignalBlocker(self.fold):
                 self.fold.setChecked(height >= _LOWEST)
-            self._show_ways()
+            self._show_dip_box()
 
     def _fold(self) -> None:
         self._folded_by_hand = True
-        self._show_ways()
+        self._show_dip_box()
 
-    def _show_ways(self) -> None:
+    def _show_dip_box(self) -> None:
         arrow = QtCore.Qt.ArrowType
         is_open = self.fold.isChecked()
         self.fold.setArrowType(arrow.DownArrow if is_open else arrow.RightArrow)
-        self._ways.setVisible(is_open)
+        self._dip_box.setVisible(is_open)
         self.updateGeometry()
 
     def heightForWidth(self, width: int) -> int:
-        """The least that the panel needs: the dishes scroll by themselves."""
+        """Return the panel's least height: the dishes scroll by themselves."""
         layout = self.layout()
         assert layout is not None, "it was made with one"
         return layout.minimumHeightForWidth(width)
 
     def height_with_dishes(self, width: int) -> int:
-        """The height at which three rows of dishes are seen, or all there are."""
+        """Return the height at which three rows of dishes are seen, or all there are."""
         rows = min(_SEEN_ROWS, -(-len(self.dishes.names) // self.dishes.columns(width)))
         return self.heightForWidth(width) + (rows - 1) * _ROW
 
     def show_pickup(self, fraction: float) -> None:
-        """Show how much wet ink the brush takes up, 1/mm, and tell nothing."""
+        """Show how much wet ink the brush takes up, 1/mm, without emitting a signal."""
         if not self.pickup.hasFocus() and abs(self.pickup.value() - fraction) > 1e-9:
             with QtCore.QSignalBlocker(self.pickup):
                 self.pickup.setRange(0.0, max(1.0, fraction))
                 self.pickup.setValue(fraction)
 
     def amount(self) -> DipAmount:
-        """How much the next dip takes up."""
+        """Return how much the next dip takes up."""
         return DipAmount(0.01 * self.wetted.value(), 0.01 * self.fullness.value())
 
     def show_amount(self, amount: DipAmount, *, anew: bool = False) -> None:
@@ -781,7 +778,7 @@ class InkPanel(QtWidgets.QWidget):
         self.amount_chosen.emit(None)
 
     def show_by_itself(self, on: bool) -> None:
-        """Show whether the brush is dipped by itself, and tell nothing."""
+        """Show whether the brush is dipped by itself, without emitting a signal."""
         with QtCore.QSignalBlocker(self.by_itself):
             self.by_itself.setChecked(on)
 
@@ -791,12 +788,12 @@ class InkPanel(QtWidgets.QWidget):
         self.last.show_mixtures(self.dishes.pigments, self.dishes.theme)
 
     def add_pigments(self, pigments: Iterable[Pigment], source: str) -> None:
-        """Put pigments of one's own among the dishes.
+        """Add the user's own pigments to the dishes.
 
         Raises
         ------
         PigmentError
-            If one is called like one of the palette; then none is added.
+            If one has the name of one of the palette; then none is added.
         """
         pigments = list(pigments)
         check_unlike_palette(pigments, source)
@@ -805,7 +802,7 @@ class InkPanel(QtWidgets.QWidget):
         self.last.show_mixtures(self.dishes.pigments, self.dishes.theme)
 
     def put_away_own(self) -> None:
-        """Take the dishes of one's own pigments away, and what is stirred of them."""
+        """Remove the dishes of the user's own pigments, and a mixture with one of them."""
         if {*self._stirred, *self._own_mixture} - {*load_palette(), WATER.name}:
             self.empty()
         self.dishes.put_away_own()
@@ -840,7 +837,7 @@ class InkPanel(QtWidgets.QWidget):
         self._show_mixture()
 
     def mixture(self) -> dict[str, float]:
-        """What is in the mixing dish: parts by name, of sum 1, water among them."""
+        """Return the contents of the mixing dish: parts by name, of sum 1, water among them."""
         if self._own_mixture:
             return dict(self._own_mixture)
         total = sum(self._stirred.values())
@@ -854,17 +851,17 @@ class InkPanel(QtWidgets.QWidget):
         return {**parts, WATER.name: fraction} if fraction else parts
 
     def show_mixture(self, parts: Mapping[Pigment, float]) -> None:
-        """Put a whole mixture into the dish instead of what is there."""
-        shares = {ink.name: part for ink, part in parts.items()}
-        inked = {name: part for name, part in shares.items() if name != WATER.name}
+        """Replace the contents of the mixing dish by a mixture."""
+        fractions = {ink.name: part for ink, part in parts.items()}
+        inked = {name: part for name, part in fractions.items() if name != WATER.name}
         if not inked:
             return
         least = min(inked.values())
         with QtCore.QSignalBlocker(self.water):
-            water = shares.get(WATER.name, 0.0)
+            water = fractions.get(WATER.name, 0.0)
             self.water.setValue(round(_WATER_STEPS * position_of(self._of_dishes(inked), water)))
         self._stirred = {name: part / least for name, part in inked.items()}
-        self._own_mixture = shares
+        self._own_mixture = fractions
         self._show_mixture()
 
     def _put_back(self, at: int) -> None:
@@ -877,7 +874,7 @@ class InkPanel(QtWidgets.QWidget):
         self._show_mixture()
 
     def _of_dishes(self, parts: Mapping[str, float]) -> dict[Any, float]:
-        """Parts by name with the pigments of one's own in the place of their names."""
+        """Return parts by name, with the user's own pigments instead of their names."""
         own = {n: p for n, p in self.dishes.pigments.items() if n not in load_palette()}
         return {own.get(name, name): part for name, part in parts.items()}
 
@@ -887,18 +884,18 @@ class InkPanel(QtWidgets.QWidget):
         self._mixing.update()
         self._dip_button.setEnabled(bool(parts))
         if not parts:
-            self._water_told.setText(say("Water"))
+            self._water_label.setText(say("Water"))
             self.message_label.setText(
                 say("Mixing dish: stir inks in with a long press or the right button")
             )
             return
         water = 100.0 * parts.get(WATER.name, 0.0)
-        self._water_told.setText(say("Water {share:.0f} %", share=water))
+        self._water_label.setText(say("Water {share:.0f} %", share=water))
         stirred = (name for name in parts if name != WATER.name or name in self._stirred)
         self.message_label.setText("<br>".join(self._line(name, parts[name]) for name in stirred))
 
     def _line(self, name: str, part: float) -> str:
-        """An ink of the mixing dish, with signs to put a part in and to take one out."""
+        """Format an ink of the mixing dish, with signs to put a part in and to take one out."""
         pigment = self.dishes.pigments.get(name, name)
         message = f"{html.escape(ink_label(pigment))} {_percent(part)} %"
         style = f"color:{self.dishes.theme.accent}; text-decoration:none"
@@ -919,14 +916,14 @@ class InkPanel(QtWidgets.QWidget):
         self._dip(in_tone(self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}, fraction))
 
     def water_by(self, pixels: float) -> None:
-        """Have the ink in hand lighter or darker by a drag; the brush is dipped where it ends."""
+        """Make the ink in hand lighter or darker by a drag; the brush is dipped where it ends."""
         parts = self.ink if isinstance(self.ink, Mapping) else {self.ink: 1.0}
         inks = _without_water(parts)
         if not inks:
             return
         if self._watered is None:
-            share = sum(inks.values()) / sum(parts.values())
-            self._watered = position_of(inks, 1.0 - share)
+            inked = sum(inks.values()) / sum(parts.values())
+            self._watered = position_of(inks, 1.0 - inked)
         self._watered = min(1.0, max(0.0, self._watered + pixels / _WATER_PX))
         self.watering.emit(water_at(inks, self._watered))
         self._settle.start()
@@ -949,7 +946,7 @@ class InkPanel(QtWidgets.QWidget):
             self.mixtures_changed.emit(tuple(self.last.mixtures))
 
     def show_inks(self, inks: Sequence[Ink]) -> None:
-        """Show what the brush is dipped in."""
+        """Show the ink that the brush is dipped in."""
         self.ink = inks[0]
         parts = _parts(self.ink)
         self.dishes.chosen = next(iter(parts)) if len(parts) == 1 else ""
@@ -958,7 +955,7 @@ class InkPanel(QtWidgets.QWidget):
         self.tones.show_ink(shown, self.dishes.theme)
 
     def ink_name(self) -> str:
-        """What the brush is dipped in, in words."""
+        """Return the name of the ink that the brush is dipped in."""
         inks: Iterable[Any] = self.ink if isinstance(self.ink, Mapping) else (self.ink,)
         return " + ".join(ink_label(ink) for ink in inks)
 

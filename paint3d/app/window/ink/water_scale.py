@@ -1,4 +1,4 @@
-"""How much water an ink needs to become lighter by even steps: a scale for sliders."""
+"""A scale of water for sliders, on which an ink becomes lighter by even steps."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from paint3d.colour.pigments import WATER
 __all__ = ["MOST_WATER", "position_of", "water_at"]
 
 MOST_WATER = 0.98
-"""Of a mixture that is still called an ink."""
+"""Greatest fraction of water of a mixture that still counts as ink."""
 _STEPS = 33
 _LEAST_RISE = 1.0  # of L*, below which water is not seen: white inks
 _DIGITS = 3
 
 
 def water_at(inks: Mapping[Ink, float], position: float) -> float:
-    """The share of water with which a coat of an ink is so light.
+    """Return the fraction of water with which a coat of an ink is so light.
 
     Parameters
     ----------
@@ -31,32 +31,32 @@ def water_at(inks: Mapping[Ink, float], position: float) -> float:
     position : float
         From 0, the ink alone, to 1, the ink with `MOST_WATER`: L* on xuan rises evenly with it.
     """
-    positions, shares = _scale(sorted_parts(inks))
-    return round(float(np.interp(position, positions, shares)), _DIGITS)
+    positions, fractions = _scale(sorted_parts(inks))
+    return round(float(np.interp(position, positions, fractions)), _DIGITS)
 
 
 def position_of(inks: Mapping[Ink, float], water: float) -> float:
-    """Where a share of water stands on the scale, 0 to 1; see `water_at`."""
-    positions, shares = _scale(sorted_parts(inks))
-    return float(np.interp(water, shares, positions))
+    """Return the position of a fraction of water on the scale, 0 to 1; see `water_at`."""
+    positions, fractions = _scale(sorted_parts(inks))
+    return float(np.interp(water, fractions, positions))
 
 
 @lru_cache(maxsize=64)
 def _scale(
     inks: tuple[tuple[Ink, float], ...],
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Positions (N,) from 0 to 1, and the shares of water (N,) that stand there."""
-    shares = 1.0 - np.geomspace(1.0, 1.0 - MOST_WATER, _STEPS)
+    """Return positions (N,) from 0 to 1, and the fractions of water (N,) there."""
+    fractions = 1.0 - np.geomspace(1.0, 1.0 - MOST_WATER, _STEPS)
     total = sum(part for _, part in inks)
     ink: dict[Ink, float] = {one: part / total for one, part in inks}
     coats = [
         ink_coat({**{one: part * (1.0 - water) for one, part in ink.items()}, WATER: water})
-        for water in shares
+        for water in fractions
     ]
     light = np.maximum.accumulate(lab_from_srgb(np.array(coats) / 255.0)[:, 0])
     evenly = np.linspace(0.0, 1.0, _STEPS)
     rise = light[-1] - light[0]
     if rise < _LEAST_RISE:
-        return evenly, shares
-    # a little of the even steps, so that no two shares stand at one place
-    return 0.98 * (light - light[0]) / rise + 0.02 * evenly, shares
+        return evenly, fractions
+    # a little of the even steps, so that no two fractions have one position
+    return 0.98 * (light - light[0]) / rise + 0.02 * evenly, fractions

@@ -1,4 +1,4 @@
-"""A box to choose what a surface is made of: by name, or from a file of one's own."""
+"""A box to choose a surface's material: by name, or from a file."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ __all__ = ["MaterialBox"]
 
 
 class MaterialBox(QtWidgets.QComboBox):
-    """The materials that there are, and a way to a file.
+    """The known materials, and a choice to open a file.
 
     Signals
     -------
@@ -32,13 +32,13 @@ class MaterialBox(QtWidgets.QComboBox):
         self._before = 0
         for name, known in load_materials().items():
             self.addItem(say_material(known), name)
-        self._own = self.count()  # where one of the user's own is shown
+        self._own = self.count()  # row of one of the user's own
         self.addItem(say("From a file…"), None)
         self.activated.connect(self._activated)
         self.show_material(material)
 
     def show_material(self, material: str | Material) -> None:
-        """Show which material it is now: a name, a file's, or the material itself."""
+        """Show the material: a name, a file's, or the material itself."""
         name = material.name if isinstance(material, Material) else material
         row = self.findData(name)
         if row < 0 or isinstance(self.itemData(row), Material):
@@ -51,13 +51,13 @@ class MaterialBox(QtWidgets.QComboBox):
         self._before = row
 
     def material(self) -> str | Material:
-        """What is chosen: a name, a file's, or a material that has none of them."""
+        """Return the choice: a name, a file's, or a material that has neither."""
         data: str | Material | None = self.itemData(self.currentIndex())
         assert data is not None, "a file is asked for at once"
         return data
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
-        """Scroll what lies around it: another material is never chosen in passing."""
+        """Leave the wheel to the panel around: it never chooses another material."""
         event.ignore()
 
     def _activated(self, row: int) -> None:

@@ -1,10 +1,10 @@
-"""What to paint on: sheets and objects in pictures, with their sizes and what suits them."""
+"""The dialog of a new painting: sheets and objects in pictures, with sizes and materials."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 from PySide6 import QtCore, QtGui, QtWidgets
@@ -40,7 +40,7 @@ _NAME = QtCore.Qt.ItemDataRole.UserRole
 
 
 class NewDialog(FormDialog):
-    """Ask what to paint on.
+    """Asks for a sheet or an object, its material and its detail.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class NewDialog(FormDialog):
     def __init__(self, parent: QtWidgets.QWidget, settings: Settings) -> None:
         super().__init__(parent, say("New painting…").rstrip("…"), beside=True)
         self._settings = settings
-        self._kept_material = chosen_material(settings)
+        self._last_material = chosen_material(settings)
         self._wanted = settings.resolution_mm
         self._error = ""
         self.sheets, self.objects = _Pictures(), _Pictures()
@@ -64,13 +64,13 @@ class NewDialog(FormDialog):
         self.objects.add("", say("A mesh file…"))
         lists = QtWidgets.QVBoxLayout()
         titles = (say("Sheets"), self.sheets, 3), (say("Objects"), self.objects, 2)
-        for title, pictures, share in titles:
+        for title, pictures, stretch in titles:
             head = QtWidgets.QLabel(title)
             head.setObjectName("heading")
             lists.addWidget(head)
-            lists.addWidget(pictures, share)
+            lists.addWidget(pictures, stretch)
             pictures.setAccessibleName(title)
-            pictures.currentItemChanged.connect(self._chosen_in(pictures))
+            pictures.currentItemChanged.connect(self._chooser(pictures))
             pictures.itemDoubleClicked.connect(lambda _: self._begin())
         self.picture = QtWidgets.QLabel()
         self.picture.setFixedSize(_LARGE, _LARGE)
@@ -80,7 +80,7 @@ class NewDialog(FormDialog):
         self.margin = self.add_number(say("Margin"), 0.0, 500.0, 25.0, "mm")
         self.margin.setToolTip(say("What is kept free by text that is laid out"))
         self.mounted = self.add_check(say("Mounted, with a border of silk"), False)
-        self.material = MaterialBox(self._kept_material)
+        self.material = MaterialBox(self._last_material)
         self.material.failed.connect(lambda why: ask(self, why, accept=say("OK"), leave=""))
         self.material.currentIndexChanged.connect(lambda _: self._draw())
         self.form.addRow(say("Material"), self.material)
@@ -97,8 +97,8 @@ class NewDialog(FormDialog):
             box.valueChanged.connect(lambda _: self._draw())
         self.mounted.toggled.connect(lambda _: self._draw())
         self._lay_out(lists)
-        kept = settings.begun_on
-        self.choose(kept if kept in BUILT_IN_OBJECTS or is_sheet(kept) else "scroll")
+        last = settings.begun_on
+        self.choose(last if last in BUILT_IN_OBJECTS or is_sheet(last) else "scroll")
         self._coming = list(BUILT_IN_OBJECTS)
         QtCore.QTimer.singleShot(0, self, self._draw_next)
 
@@ -114,15 +114,15 @@ class NewDialog(FormDialog):
                 self._show(parse_sheet(name))
 
     def chosen(self) -> tuple[str, str, float]:
-        """Object ("" for a file), material and resolution (mm)."""
+        """Return object ("" for a file), material and resolution (mm)."""
         sheet = self._sheet()
         name = self._name if sheet is None else sheet.name
         return name, str(self.material.material()), self.resolution.value()
 
-    # -- making it --------------------------------------------------------------------------
+    # -- layout -----------------------------------------------------------------------------
 
     def _lay_out(self, lists: QtWidgets.QVBoxLayout) -> None:
-        """The pictures to the left, the form to the right, the buttons below."""
+        """Lay out the pictures to the left, the form to the right, the buttons below."""
         self.form.setContentsMargins(0, 0, 0, 0)
         both = QtWidgets.QHBoxLayout()
         both.setSpacing(18)
@@ -136,7 +136,7 @@ class NewDialog(FormDialog):
         room = self.screen().availableGeometry().size()
         self.resize(QtCore.QSize(1190, 690).boundedTo(room))
 
-    def _chosen_in(
+    def _chooser(
         self, pictures: _Pictures
     ) -> Callable[[QtWidgets.QListWidgetItem | None, QtWidgets.QListWidgetItem | None], None]:
         def chosen(
@@ -153,12 +153,12 @@ class NewDialog(FormDialog):
         return chosen
 
     def _show(self, sheet: Sheet | None) -> None:
-        """Show a sheet's numbers, or that it is none, and what suits it."""
+        """Show a sheet's numbers, or none for an object, and the material that suits it."""
         rows = (self.width_box, self.height_box, self.margin, self.mounted)
         blocked = [QtCore.QSignalBlocker(row) for row in (*rows, self.material)]
         for row in rows:
             self.form.setRowVisible(row, sheet is not None)
-        material = _SUITED.get(self._name, self._kept_material)
+        material = _SUITED.get(self._name, self._last_material)
         if sheet is not None:
             shape, material = sheet.usual.shape, sheet.usual.material
             self.form.setRowVisible(self.height_box, shape != "disc")
@@ -176,7 +176,7 @@ class NewDialog(FormDialog):
         self._draw()
 
     def _sheet(self) -> Sheet | None:
-        """The sheet that is chosen, None where none is or its numbers are no good."""
+        """Return the chosen sheet; None without one, or if its numbers are invalid."""
         self._error = ""
         if not is_sheet(self._name):
             return None
@@ -229,7 +229,7 @@ class NewDialog(FormDialog):
 
 
 class _Pictures(QtWidgets.QListWidget):
-    """Things to choose from, each a picture with its name below."""
+    """A list to choose from, each item a picture with its name below."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -249,7 +249,7 @@ class _Pictures(QtWidgets.QListWidget):
                 self.setCurrentRow(-1)
 
     def add(self, name: str, words: str) -> None:
-        """Add one, with room for its words; a sheet's picture is drawn at once."""
+        """Add an item, wide enough for its words; a sheet's picture is drawn at once."""
         item = QtWidgets.QListWidgetItem(words)
         item.setData(_NAME, name)
         widest = max(map(self.fontMetrics().horizontalAdvance, words.split("\n")))
@@ -272,7 +272,7 @@ def _usual(form: str) -> Sheet:
 
 
 def _format_size(sheet: Sheet) -> str:
-    """A sheet's size in words; that of a folding fan is how much paper it takes."""
+    """Format a sheet's size; of a folding fan, the size of its paper."""
     width, height = sheet.size
     if sheet.usual.shape == "disc":
         return f"ø {say_length(width)}"
@@ -284,7 +284,7 @@ def _format_size(sheet: Sheet) -> str:
 
 
 def _sheet_picture(sheet: Sheet, size: int, material: str) -> QtGui.QPixmap:
-    """A sheet from above, in the middle of a square of pixels."""
+    """Draw a sheet from above, in the middle of a square of pixels."""
     pixels = QtGui.QPixmap(size, size)
     pixels.fill(QtCore.Qt.GlobalColor.transparent)
     parts = drawn(sheet)
@@ -305,17 +305,14 @@ def _sheet_picture(sheet: Sheet, size: int, material: str) -> QtGui.QPixmap:
     return pixels
 
 
-@lru_cache(maxsize=1)
-def _previews() -> dict[str, Preview]:
-    return {}
+@cache
+def _preview(name: str) -> Preview:
+    return Preview(read_mesh(name).mesh, _LARGE)
 
 
 def _object_picture(name: str, size: int) -> QtGui.QPixmap:
-    """A built-in object, seen from the side."""
-    kept = _previews()
-    if name not in kept:
-        kept[name] = Preview(read_mesh(name).mesh, _LARGE)
-    preview = kept[name] if size == _LARGE else kept[name].smaller(size)
+    """Draw a built-in object, seen from the side."""
+    preview = _preview(name) if size == _LARGE else _preview(name).smaller(size)
     pixels = preview.draw(np.eye(3))
     height, width = pixels.shape[:2]
     image = QtGui.QImage(pixels.data, width, height, 3 * width, QtGui.QImage.Format.Format_RGB888)

@@ -1,4 +1,4 @@
-"""How an object of one's own stands, how large it is and of what: when it is opened, and later."""
+"""Orientation, size and material of the user's own object: asked when it is opened, and later."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ _QUARTERS = {
 
 
 def format_length(size_mm: float) -> str:
-    """A length in words, in a unit that suits it."""
+    """Format a length in a unit that suits it."""
     for unit, mm in (("m", 1000.0), ("cm", 10.0)):
         if size_mm >= mm * 1.5:
             return f"{size_mm / mm:.3g} {unit}"
@@ -107,13 +107,13 @@ class ObjectDialog(QtWidgets.QDialog):
         self._show()
 
     def chosen(self) -> ObjectChoice:
-        """What is chosen now."""
+        """Return the current choice."""
         coloured = self.colours.isChecked() or self._mesh.colours is None
         return ObjectChoice(
             self._turn, self._scale, self.material.material(), self.resolution.value(), coloured
         )
 
-    # -- making it --------------------------------------------------------------------------
+    # -- layout -----------------------------------------------------------------------------
 
     def _lay_out(self, reading: Reading, start: ObjectChoice, accept: str, is_open: bool) -> None:
         both = QtWidgets.QHBoxLayout(self)
@@ -147,14 +147,23 @@ class ObjectDialog(QtWidgets.QDialog):
         right.addWidget(self._heading(reading.up, is_open))
         right.addLayout(self._ways())
         right.addLayout(self._form(start, not is_open))
-        right.addWidget(self._notes(reading))
+        self.notes = QtWidgets.QLabel("\n".join(map(_note_text, reading.notes)))
+        self.notes.setWordWrap(True)
+        self.notes.setVisible(bool(reading.notes))
+        right.addWidget(self.notes)
         right.addStretch(1)
-        agree = self._agree(accept)
-        right.addWidget(agree)
-        agree.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setFocus()
+        standard = QtWidgets.QDialogButtonBox.StandardButton
+        buttons = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
+        buttons.button(standard.Ok).setText(accept)
+        buttons.button(standard.Ok).setDefault(True)
+        buttons.button(standard.Cancel).setText(say("Cancel"))
+        buttons.accepted.connect(self.accept)
+        buttons.rejected.connect(self.reject)
+        right.addWidget(buttons)
+        buttons.button(standard.Ok).setFocus()
 
     def _likely_axis(self, reading: Reading, is_open: bool) -> str | None:
-        """The file's axis that is likely up; None where it is known and the shape agrees."""
+        """Return the file's axis that is likely up; None if it is known and the shape agrees."""
         guess = self._guess
         if guess is None:
             if is_open or not reading.is_oddly_up:
@@ -182,7 +191,7 @@ class ObjectDialog(QtWidgets.QDialog):
         return head
 
     def _ways(self) -> QtWidgets.QGridLayout:
-        """A button with a picture for each axis that may point up."""
+        """Make a button with a picture for each axis that may point up."""
         grid = QtWidgets.QGridLayout()
         grid.setSpacing(6)
         preview = self._seen.smaller(_SMALL)
@@ -233,24 +242,7 @@ class ObjectDialog(QtWidgets.QDialog):
             form.addRow("", self.colours)
         return form
 
-    def _notes(self, reading: Reading) -> QtWidgets.QLabel:
-        notes = QtWidgets.QLabel("\n".join(map(_note_text, reading.notes)))
-        notes.setWordWrap(True)
-        notes.setVisible(bool(reading.notes))
-        self.notes = notes
-        return notes
-
-    def _agree(self, accept: str) -> QtWidgets.QDialogButtonBox:
-        standard = QtWidgets.QDialogButtonBox.StandardButton
-        buttons = QtWidgets.QDialogButtonBox(standard.Ok | standard.Cancel)
-        buttons.button(standard.Ok).setText(accept)
-        buttons.button(standard.Ok).setDefault(True)
-        buttons.button(standard.Cancel).setText(say("Cancel"))
-        buttons.accepted.connect(self.accept)
-        buttons.rejected.connect(self.reject)
-        return buttons
-
-    # -- what is done in it -----------------------------------------------------------------
+    # -- choosing ---------------------------------------------------------------------------
 
     def stand_up(self, up: str) -> None:
         """Stand it with an axis of its own up."""
@@ -258,7 +250,7 @@ class ObjectDialog(QtWidgets.QDialog):
         self._show()
 
     def _turn_for(self, up: str) -> NDArray[np.float64]:
-        """What brings an axis of the file up, after what its reader turned."""
+        """Return the rotation that brings an axis of the file up, after its reader's own."""
         return turn_up(up) @ self._turned.T
 
     def turn_quarter(self, axis: str) -> None:
@@ -267,17 +259,17 @@ class ObjectDialog(QtWidgets.QDialog):
         self._show()
 
     def stand_at(self, across: float, down: float) -> None:
-        """Stand it on the side that is seen at a place of the picture, 0 to 1 each."""
+        """Stand it on the side that is seen at a point of the picture, 0 to 1 each."""
         side = self._preview().side_at(self._turn, across, down)
         if side is not None:
-            self._turn = _tidied(stand_on(self._turn @ side) @ self._turn)
+            self._turn = _snap_rotation(stand_on(self._turn @ side) @ self._turn)
             self._show()
 
     def _preview(self) -> Preview:
         return self._seen if self.colours.isChecked() else self._plain
 
     def _show(self, *_: object) -> None:
-        """Show what is chosen."""
+        """Show the current choice."""
         self.picture.setPixmap(_pixmap(self._preview().draw(self._turn)))
         for up, button in self.ways.items():
             button.setChecked(np.array_equal(self._turn_for(up)[2], self._turn[2]))
@@ -302,7 +294,7 @@ class ObjectDialog(QtWidgets.QDialog):
 
 
 class _Picture(QtWidgets.QLabel):
-    """A picture that says where it was clicked."""
+    """A picture that emits where it was clicked."""
 
     clicked = QtCore.Signal(float, float)
 
@@ -312,9 +304,9 @@ class _Picture(QtWidgets.QLabel):
         self.setCursor(QtCore.Qt.CursorShape.PointingHandCursor)
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Say where."""
-        place = event.position()
-        self.clicked.emit(place.x() / self.width(), place.y() / self.height())
+        """Emit where it was pressed, 0 to 1 each."""
+        position = event.position()
+        self.clicked.emit(position.x() / self.width(), position.y() / self.height())
 
 
 def _pixmap(pixels: NDArray[np.uint8]) -> QtGui.QPixmap:
@@ -323,17 +315,17 @@ def _pixmap(pixels: NDArray[np.uint8]) -> QtGui.QPixmap:
     return QtGui.QPixmap.fromImage(QtGui.QImage(pixels.data, width, height, 3 * width, form))
 
 
-def _tidied(turn: NDArray[np.float64]) -> NDArray[np.float64]:
-    """A rotation without the rounding of those it was made of."""
+def _snap_rotation(turn: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a rotation without rounding errors; one by quarter turns becomes exact."""
     u, _, v = np.linalg.svd(turn)
-    tidy = u @ v
-    whole = np.rint(tidy)
-    result: NDArray[np.float64] = whole if np.abs(tidy - whole).max() < 1e-9 else tidy
+    rotation = u @ v
+    whole = np.rint(rotation)
+    result: NDArray[np.float64] = whole if np.abs(rotation - whole).max() < 1e-9 else rotation
     return result
 
 
 def _note_text(note: Message) -> str:
-    """A reader's note as a sentence."""
+    """Return a reader's note as a sentence."""
     words = say(note)
     return words[:1].upper() + words[1:]
 
@@ -346,37 +338,37 @@ def _is_bare(document: Document) -> bool:
 
 
 class Standing:
-    """Asks how objects are to stand, for one window.
+    """Asks for the orientation and size of objects, for one window.
 
     Parameters
     ----------
     workspace : Workspace
     may_leave : callable
-        Asks what becomes of the painting that is open.
+        Asks whether the open painting may be left.
     """
 
     def __init__(self, workspace: Workspace, may_leave: Callable[[], bool]) -> None:
         self._workspace, self._may_leave = workspace, may_leave
-        self._said = ""
+        self._assumptions = ""
 
     def choose(
         self, path: str, reading: Reading, material: str, resolution: float, *, ask: bool = True
     ) -> ObjectChoice | None:
-        """How an object that was read is to stand; None: it is not to be opened.
+        """Choose the orientation and size of an object that was read; None: it is not to be opened.
 
         Parameters
         ----------
         path : str
         reading : Reading
         material : str
-            What is proposed for the surface.
+            Proposed for the surface.
         resolution : float
-            What is wanted, mm.
+            Wanted, mm.
         ask : bool
-            Whether it is asked. If not, what is likely is taken and told, and it is asked only
-            where the unit cannot be right.
+            Whether the user is asked. If not, what is likely is assumed and shown, and the user is
+            asked only where the unit cannot be right.
         """
-        self._said = ""
+        self._assumptions = ""
         if is_built_in(path):
             return ObjectChoice(np.eye(3), 1.0, material, resolution)
         if not ask and not is_implausible(longest_side(reading.mesh)):
@@ -393,36 +385,36 @@ class Standing:
         return self._answer(dialog)
 
     def report_assumptions(self) -> None:
-        """Say what was taken without having been asked."""
-        if self._said:
-            self._workspace.tell(self._said)
+        """Show what was assumed without asking."""
+        if self._assumptions:
+            self._workspace.tell(self._assumptions)
 
     def _likely(self, reading: Reading, material: str, resolution: float) -> ObjectChoice:
         guess = reading.likely_up
-        said = [*map(_note_text, reading.notes)]
+        notes = [*map(_note_text, reading.notes)]
         if guess is not None and not guess.sure:
-            said.append(
+            notes.append(
                 say("Which way is up is uncertain; change it by Edit ▸ Turn and scale the object")
             )
         elif reading.is_oddly_up:
-            said.append(
+            notes.append(
                 say(
                     "{axis} was taken as up; change it by Edit ▸ Turn and scale the object",
                     axis=reading.up if guess is None else guess.up,
                 )
             )
-        self._said = "   ".join(said)
+        self._assumptions = "   ".join(notes)
         return first_choice(reading, guess, material, resolution)._replace(resolution=resolution)
 
     def _answer(self, dialog: ObjectDialog) -> ObjectChoice | None:
         accepted = dialog.exec()
         choice = dialog.chosen() if accepted else None
         if choice is not None:
-            self._keep(choice.material)
+            self._remember_material(choice.material)
         dialog.deleteLater()
         return choice
 
-    def _keep(self, material: str | Material) -> None:
+    def _remember_material(self, material: str | Material) -> None:
         """Begin with this material the next time, if it has a name by which it is found."""
         if isinstance(material, str):
             self._workspace.update_settings(material=material)
@@ -456,7 +448,7 @@ class Standing:
             self._begin_anew(surface.source, choice)
 
     def take_material(self, material: str | Material) -> bool:
-        """Let the object that is open be of another material, and begin anew on it; say whether."""
+        """Begin anew on the open object in another material; return whether that was done."""
         workspace = self._workspace
         if workspace.stage.paint_thread is None:
             return False
@@ -473,11 +465,11 @@ class Standing:
         choice = ObjectChoice(np.eye(3), 1.0, material, resolution)
         if not self._begin_anew(surface.source, choice):
             return False
-        self._keep(material)
+        self._remember_material(material)
         return True
 
     def _begin_anew(self, source: TriangleMesh, choice: ObjectChoice) -> bool:
-        """Put an object as it was chosen in the place of what is open, in the same hand."""
+        """Open an object as chosen instead of the current one, with the same brush and inks."""
         workspace = self._workspace
         with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"

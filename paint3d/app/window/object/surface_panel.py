@@ -1,4 +1,4 @@
-"""The surface: what it is made of, how fine it is, whether ink runs on it."""
+"""The surface: its material, its resolution, whether ink runs on it."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _NUMBERS = (
 
 
 class SurfacePanel(QtWidgets.QWidget):
-    """What the object is made of, and what can be done to it as a whole.
+    """The object's material, and commands for the whole object.
 
     Parameters
     ----------
@@ -85,7 +85,7 @@ class SurfacePanel(QtWidgets.QWidget):
         layout.addStretch(1)
 
     def show_surface(self, surface: Snapshot) -> None:
-        """Show what this surface is."""
+        """Show a surface's material and resolution."""
         message = surface.material, surface.resolution, surface.n_vertices
         if message == self._shown:
             return
@@ -93,7 +93,8 @@ class SurfacePanel(QtWidgets.QWidget):
         material = surface.material
         self.name.setText(say_material(material))
         self.setToolTip("\n".join(filter(None, (material.basis, material.note))))
-        self.material.show_material(_found(material))
+        is_known = material.name in load_materials()
+        self.material.show_material(material.name if is_known else material)
         fine = "" if surface.resolution is None else f"{say_length(surface.resolution)}  ·  "
         self.fineness.setText(fine + say("{count:,} vertices", count=surface.n_vertices))
         for key, number in self._numbers.items():
@@ -104,18 +105,13 @@ class SurfacePanel(QtWidgets.QWidget):
         self.swatch.setPixmap(pixels)
 
     def _chosen(self, material: str | Material) -> None:
-        """Ask for it; what is shown follows when the object is of it."""
+        """Emit the material; the panel shows it once the object has it."""
         self._shown = ()
         self.asked.emit(material)
 
     def show_unit(self) -> None:
-        """Tell lengths in the unit that is chosen now, the next time."""
+        """Show lengths in the chosen unit, the next time."""
         self._shown = ()
 
     def set_theme(self, theme: Theme) -> None:
-        """Nothing here is painted by hand."""
-
-
-def _found(material: Material) -> str | Material:
-    """The name of a material that comes with the program; any other itself."""
-    return material.name if material.name in load_materials() else material
+        """Do nothing: the panel has no drawings of its own."""

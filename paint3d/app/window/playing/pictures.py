@@ -40,12 +40,8 @@ __all__ = [
     "write_turntable",
 ]
 
-# ---- Films ---------------------------------------------------------------------------------------
-# A film of the object turning once on its foot.
-
-
-# ---- The question --------------------------------------------------------------------------------
-# What can be chosen of a film: how long, how large, how many pictures a second.
+# ---- The dialog ----------------------------------------------------------------------------------
+# A film's length, size and pictures a second.
 
 
 _LONGEST_S, _FASTEST = 60.0, 30.0
@@ -53,7 +49,7 @@ _LEAST_PICTURES = 2
 
 
 class FilmOptions(NamedTuple):
-    """How a film is to be.
+    """Length, rate and size of a film.
 
     A GIF counts hundredths of a second, so that not every rate is met exactly.
     """
@@ -64,19 +60,19 @@ class FilmOptions(NamedTuple):
 
     @property
     def n_pictures(self) -> int:
-        """How many pictures it has."""
+        """Number of pictures."""
         return max(_LEAST_PICTURES, round(self.seconds * self.rate))
 
     @property
     def is_too_long(self) -> bool:
-        """Whether its pictures take more memory than it may."""
+        """True if its pictures take more memory than is allowed."""
         width, height = self.size or (0, 0)
         return width * height * self.n_pictures > MOST_PIXELS
 
 
-def stored_film(kept: Mapping[str, object]) -> FilmOptions:
-    """The film that was chosen last."""
-    own = kept.get("film")
+def stored_film(stored: Mapping[str, object]) -> FilmOptions:
+    """Return the film that was chosen last."""
+    own = stored.get("film")
     own = own if isinstance(own, Mapping) else {}
     seconds = min(max(stored_number(own, "seconds", 5.0), 0.5), _LONGEST_S)
     rate = min(max(stored_number(own, "rate", 15.0), 1.0), _FASTEST)
@@ -85,13 +81,13 @@ def stored_film(kept: Mapping[str, object]) -> FilmOptions:
 
 
 class FilmDialog(FormDialog):
-    """Ask how a film is to be.
+    """Asks for a film's length, rate and size.
 
     Parameters
     ----------
     parent : QWidget
-    kept : FilmOptions
-        What was chosen last.
+    stored : FilmOptions
+        The film that was chosen last.
     screen : (int, int)
         Width and height of the picture on the screen, pixels.
     any_length : bool
@@ -103,51 +99,51 @@ class FilmDialog(FormDialog):
     def __init__(
         self,
         parent: QtWidgets.QWidget,
-        kept: FilmOptions,
+        stored: FilmOptions,
         screen: tuple[int, int],
         any_length: bool = False,
         title: str = "",
     ) -> None:
         self._any_length = any_length
         super().__init__(parent, (title or say("Turntable…")).rstrip("…"))
-        self.seconds = self.add_number(say("Length"), 0.5, _LONGEST_S, kept.seconds, "s", 1)
-        self.rate = self.add_number(say("Pictures a second"), 1, _FASTEST, kept.rate)
-        self.size_boxes = SizeBoxes(kept.size or screen, screen)
+        self.seconds = self.add_number(say("Length"), 0.5, _LONGEST_S, stored.seconds, "s", 1)
+        self.rate = self.add_number(say("Pictures a second"), 1, _FASTEST, stored.rate)
+        self.size_boxes = SizeBoxes(stored.size or screen, screen)
         self.form.addRow(say("Size in pixels"), self.size_boxes)
         self.message_label = QtWidgets.QLabel()
         self.message_label.setObjectName("faint")
         self.form.addRow("", self.message_label)
         self.finish(say("Save"))
         for box in (self.seconds, self.rate, self.size_boxes.width_box, self.size_boxes.height_box):
-            box.valueChanged.connect(self._tell)
-        self._tell()
+            box.valueChanged.connect(self._show_count)
+        self._show_count()
 
-    def _tell(self, _: object = None) -> None:
-        """Say how many pictures that makes, and whether they are too many."""
+    def _show_count(self, _: object = None) -> None:
+        """Show the number of pictures, and whether they are too many."""
         film = self.film()
         too_long = film.is_too_long and not self._any_length
         n = film.n_pictures
-        told = say("{n} picture", "{n} pictures", n=n)
+        pictures = say("{n} picture", "{n} pictures", n=n)
         self.message_label.setText(
-            say("{pictures}: too many of this size", pictures=told) if too_long else told
+            say("{pictures}: too many of this size", pictures=pictures) if too_long else pictures
         )
         below = self.findChild(QtWidgets.QDialogButtonBox)
         assert below is not None, "it was finished"
         below.button(QtWidgets.QDialogButtonBox.StandardButton.Ok).setEnabled(not too_long)
 
     def film(self) -> FilmOptions:
-        """What was chosen."""
+        """Return the chosen film."""
         size = self.size_boxes.size_in_pixels()
         return FilmOptions(self.seconds.value(), self.rate.value(), size)
 
     def chosen(self) -> dict[str, object]:
-        """The same, as JSON can hold it."""
+        """Return the same, as JSON can hold it."""
         film = self.film()
         width, height = self.size_boxes.size_in_pixels()
         return {"seconds": film.seconds, "rate": film.rate, "width": width, "height": height}
 
 
-# ---- A turntable ---------------------------------------------------------------------------------
+# ---- A film of the object turning ----------------------------------------------------------------
 
 
 _AHEAD = 3  # pictures that are drawn before they are written
@@ -157,8 +153,8 @@ _FILM_DRAWN = 0.9  # of the time, about, that drawing takes
 def write_turntable(workspace: Workspace, path: Path, film: FilmOptions) -> Future[Any]:
     """Draw a film picture by picture, with a bar, and write it; nothing if it was stopped.
 
-    What it will take of the disk is kept free for it when two pictures are there: where there is no
-    room for it, no more are drawn.
+    Its space on the disk is reserved after two pictures: where there is not enough, no more are
+    drawn.
 
     Raises
     ------
@@ -187,7 +183,7 @@ def write_turntable(workspace: Workspace, path: Path, film: FilmOptions) -> Futu
             drawn.put(picture)
 
     def work(progress: JobProgress) -> None:
-        pictures = _taken(drawn, n, progress)
+        pictures = _drawn_pictures(drawn, n, progress)
         with write_atomically(path, progress) as part:
             write_film(part, pictures, n, form, film.rate)
 
@@ -215,8 +211,10 @@ def _parts(workspace: Workspace, turns: Sequence[float]) -> Iterator[Image.Image
             yield Image.fromarray(np.array(pixels[::-1, :, :3])) if done else None
 
 
-def _taken(drawn: queue.Queue[Image.Image], n: int, progress: JobProgress) -> Iterator[Image.Image]:
-    """Pictures as they are drawn."""
+def _drawn_pictures(
+    drawn: queue.Queue[Image.Image], n: int, progress: JobProgress
+) -> Iterator[Image.Image]:
+    """Yield pictures as they are drawn."""
     for k in range(n):
         progress(_FILM_DRAWN * k / n)
         while True:
@@ -230,8 +228,8 @@ def _taken(drawn: queue.Queue[Image.Image], n: int, progress: JobProgress) -> It
     progress(_FILM_DRAWN)
 
 
-# ---- As it grew ----------------------------------------------------------------------------------
-# A film of the painting as it grew, painted again beside the window from its score.
+# ---- A film of the painting growing --------------------------------------------------------------
+# The painting is painted again beside the window, from its score.
 
 
 _HOLD_S = 1.0  # that the finished painting is shown
@@ -284,10 +282,10 @@ def write_growth_film(workspace: Workspace, path: Path, film: FilmOptions) -> Fu
     return workspace.run(say("Drawing the film…"), work)
 
 
-# ---- Pictures, and what is asked for -------------------------------------------------------------
+# ---- Pictures, and the commands ------------------------------------------------------------------
 
 
-# What a file may be, by its ending, and how the dialog says it:
+# Kinds of files by their suffix, as the dialog names them:
 PICTURES = {".png": Message("Picture, PNG"), ".jpg": Message("Picture, JPEG")}
 FILMS = {".webp": Message("Film, WebP"), ".gif": Message("Film, GIF"), ".mp4": Message("Film, MP4")}
 _FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG"}
@@ -298,7 +296,7 @@ _LOOK_S = 0.05
 
 
 class _Drawing:
-    """What is seen, drawn in so many pixels: at once where that is the screen's size.
+    """The view, drawn in so many pixels: at once in the screen's size.
 
     A larger picture is drawn part by part while the window waits with a bar.
 
@@ -312,11 +310,11 @@ class _Drawing:
     def __init__(self, workspace: Workspace, size: tuple[int, int]) -> None:
         self._workspace, self._size = workspace, size
         self._fine = size[0] * size[1] <= _FINE_PIXELS
-        self._share = 0.0
+        self._fraction = 0.0
         self._pixels: Future[AnyArray] = Future()
 
     def __enter__(self) -> Callable[[], None] | None:
-        """What is to be called again and again, in the window's thread, until all is drawn."""
+        """Return a function to call repeatedly, in the window's thread, until all is drawn."""
         if self._size == self._workspace.canvas.pixel_size:
             self._take(self._workspace.stage.picture(fine=self._fine))
             return None
@@ -332,22 +330,22 @@ class _Drawing:
     def _draw_part(self) -> None:
         if self._pixels.done():
             return
-        self._share, pixels = next(self._parts)
-        if self._share >= 1.0:
+        self._fraction, pixels = next(self._parts)
+        if self._fraction >= 1.0:
             self._take(pixels)
 
     def _take(self, pixels: AnyArray) -> None:
         self._pixels.set_result(np.array(pixels[::-1, :, :3]))
 
     def wait(self, progress: JobProgress) -> AnyArray:
-        """(H, W, 3) uint8, the first row on top; called beside the window's thread."""
+        """Return (H, W, 3) uint8, the first row on top; called beside the window's thread."""
         while not wait([self._pixels], timeout=_LOOK_S).done:
-            progress(_DRAWN * self._share)
+            progress(_DRAWN * self._fraction)
         return self._pixels.result()
 
 
 class Pictures:
-    """Commands that save pictures and films of what is painted; ``do_<action>`` for each."""
+    """Commands that save pictures and films of the painting; ``do_<action>`` for each."""
 
     def __init__(self, workspace: Workspace, targets: Targets) -> None:
         self._workspace, self._targets = workspace, targets
@@ -363,7 +361,7 @@ class Pictures:
         return self.picture_to(path, self._workspace.canvas.pixel_size)
 
     def picture_to(self, path: Path, size: tuple[int, int], quality: int = _QUALITY) -> bool:
-        """Write what is on the screen, without what lies over it; say whether that went well.
+        """Write what is on the screen, without what lies over it; return whether that succeeded.
 
         Parameters
         ----------
@@ -402,25 +400,25 @@ class Pictures:
         self._ask_for_film(say("Film of the painting growing…"), self.growth_to)
 
     def _ask_for_film(self, title: str, write: Callable[[Path, FilmOptions], bool]) -> None:
-        kept = self._workspace.settings.exports
-        path = self._targets.ask(title, FILMS, str(kept.get("film_format", "")))
+        stored = self._workspace.settings.exports
+        path = self._targets.ask(title, FILMS, str(stored.get("film_format", "")))
         if path is None:
             return
         dialog = FilmDialog(
-            self._workspace.window, stored_film(kept), self._workspace.canvas.pixel_size,
+            self._workspace.window, stored_film(stored), self._workspace.canvas.pixel_size,
             any_length=path.suffix.lower() == ".mp4", title=title,
         )  # fmt: skip
         if dialog.exec():
-            now = {**kept, "film": dialog.chosen(), "film_format": path.suffix.lower()}
+            now = {**stored, "film": dialog.chosen(), "film_format": path.suffix.lower()}
             self._workspace.update_settings(exports=now)
             write(path, dialog.film())
 
     def turntable_to(self, path: Path, film: FilmOptions | None = None) -> bool:
-        """Write a film of the object turning once; say whether that went well."""
+        """Write a film of the object turning once; return whether that succeeded."""
         return self._film_to(path, write_turntable, film or FilmOptions())
 
     def growth_to(self, path: Path, film: FilmOptions | None = None) -> bool:
-        """Write a film of the painting as it grew; say whether that went well."""
+        """Write a film of the painting as it grew; return whether that succeeded."""
         return self._film_to(path, write_growth_film, film or FilmOptions())
 
     def _film_to(

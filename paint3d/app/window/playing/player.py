@@ -24,20 +24,20 @@ from paint3d.recording.recording import HandTime
 
 __all__ = ["Asked", "Player", "Tools"]
 
-_BATCH = 64  # samples handed on at once where no time is kept
+_BATCH = 64  # samples fed at once where no time is kept
 _MOST_BATCHES = 16  # in one tick: the window lives on
 _MOST_CUES = 1024
 _AHEAD = 64  # batches that wait: painting is not to wait for the next tick
-_HASTE = 8  # times as fast as planned a hand writes, for the ink, where nobody keeps the time
-_LOOK_S, _LOOK_SHARE = 2.0, 0.004  # until it is known how fast it goes
+_HASTE = 8  # speed of a writing hand, for the ink, relative to the plan, where no time is kept
+_LOOK_S, _LOOK_FRACTION = 2.0, 0.004  # until it is known how fast it goes
 
 Asked = tuple[str, tuple[Any, ...]]
-"""A command of a document, and what it is called with."""
+"""A command of a document, and its arguments."""
 
 
 @dataclass(frozen=True)
 class Tools:
-    """What is asked for before a recording is played, and after it, for the hand to go on.
+    """Commands before a recording is played, and after it, for the hand to go on.
 
     And how much ink the brush comes to hold at its samples, and how strong it is; see
     `Document.begin_stroke`.
@@ -56,12 +56,12 @@ class Tools:
     writes: bool = False
 
     def haste(self, speed: float | None) -> int:
-        """How many times less time the ink has than passes between samples."""
+        """Return the factor by which the ink has less time than passes between samples."""
         return _HASTE if self.writes and speed is None else 1
 
 
 class _Clock:
-    """The time that is played: so many times as fast as the clock's, or as fast as it goes."""
+    """The time of a replay: a multiple of the clock's, or as fast as it goes."""
 
     def __init__(self, speed: float | None) -> None:
         self._speed, self._is_still = speed, False
@@ -69,7 +69,7 @@ class _Clock:
 
     @property
     def seconds(self) -> float:
-        """What has come by now, s of the hand's time; infinite for as fast as it goes."""
+        """The time reached by now, s of the hand's time; infinite for as fast as it goes."""
         if self._is_still:
             return self._at
         if self._speed is None:
@@ -84,7 +84,7 @@ class _Clock:
 
     @property
     def speed(self) -> float | None:
-        """How many times as fast as the hand; None: as fast as it goes."""
+        """Speed as a multiple of the hand's; None: as fast as it goes."""
         return self._speed
 
 
@@ -99,14 +99,14 @@ class _StrokeReplay:
         Of each, s since the first.
     tools : Tools
     turns : dict of int to (int, bool)
-        From which samples on the other end of the pen is down, until before which, and whether that
-        is the eraser.
+        The first sample of each turn of the pen's ends, to the one behind its last and whether that
+        end is the eraser.
     began : Future
         Of the command that begins the first stroke.
     later_ns : int
         From the samples' clock to the hand's.
     next : int
-        The first that is still to be handed on.
+        Index of the first that is still to be fed.
     before : int
         How many samples had been painted when the first was.
     ended : Future or None
@@ -141,34 +141,34 @@ class _StrokeReplay:
         return playing
 
     def count_from(self, n_painted: int) -> None:
-        """Know how many samples had been painted when the stroke began."""
+        """Note how many samples had been painted when the stroke began."""
         self.before = n_painted
 
     @property
     def reached(self) -> float:
-        """How far it has been handed on, s."""
+        """Time up to which it has been fed, s."""
         return self.when[min(self.next, len(self.when) - 1)]
 
     def fraction(self, paint_thread: PaintThread) -> float:
-        """How much of it is painted, 0 to 1."""
+        """Return the fraction that is painted, 0 to 1."""
         if not self.began.done():
             return 0.0
         return (paint_thread.n_painted - self.before) / len(self.samples)
 
     @property
     def is_refused(self) -> bool:
-        """Whether its stroke could not begin."""
+        """True if its stroke could not begin."""
         began = self.began
         return began.done() and (began.cancelled() or began.exception() is not None)
 
     @property
     def is_over(self) -> bool:
-        """Whether all of it is painted."""
+        """True if all of it is painted."""
         return self.ended is not None and self.ended.done()
 
     @property
     def is_handed_on(self) -> bool:
-        """Whether nothing of it is still to be asked for."""
+        """True if all of it has been fed."""
         return self.ended is not None
 
     def hand_on(self, paint_thread: PaintThread, seconds: float) -> None:
@@ -227,21 +227,21 @@ class _Score:
 
     @property
     def reached(self) -> float:
-        """How far it has been handed on, s."""
+        """Time up to which it has been fed, s."""
         return self.cues[min(self.next, len(self.cues) - 1)].when
 
     def fraction(self, _: PaintThread) -> float:
-        """How much of it has been asked for, 0 to 1."""
+        """Return the fraction that has been asked for, 0 to 1."""
         return self.next / len(self.cues)
 
     @property
     def is_over(self) -> bool:
-        """Whether all of it is painted."""
+        """True if all of it is painted."""
         return self.last is not None and self.last.done()
 
     @property
     def is_handed_on(self) -> bool:
-        """Whether nothing of it is still to be asked for."""
+        """True if all of it has been fed."""
         return self.last is not None
 
     def hand_on(self, paint_thread: PaintThread, seconds: float) -> None:
@@ -256,7 +256,11 @@ class _Score:
             if cue.samples:
                 paint_thread.feed(cue.samples)
                 continue
-            _ask_cue(paint_thread, cue)
+            if cue.command in BRUSH_COMMANDS:
+                # by position: the painting thread reads the arguments to foresee the next brush
+                paint_thread.post(cue.command, *cue.options.values())
+            else:
+                paint_thread.post(cue.command, **cue.options)
             ends = cue.command in ("end_stroke", "cancel_stroke")
             self.in_stroke = cue.command == "begin_stroke" or (self.in_stroke and not ends)
         if self.next == len(self.cues):
@@ -278,30 +282,23 @@ def _begin_stroke(
     paint_thread: PaintThread, tools: Tools, first: int, end: int, erases: int
 ) -> Future[Any]:
     """Begin the stroke of a recording's samples from `first` to before `end`."""
-    told: dict[str, Any] = {
-        name: tuple((k - first, share) for k, share in pairs if first <= k < end)
+    options: dict[str, Any] = {
+        name: tuple((k - first, fraction) for k, fraction in pairs if first <= k < end)
         for name, pairs in (("loads", tools.loads), ("strengths", tools.strengths))
     }
-    told["erase"] = bool(erases)
-    return paint_thread.post("begin_stroke", **{name: said for name, said in told.items() if said})
+    options["erase"] = bool(erases)
+    return paint_thread.post(
+        "begin_stroke", **{name: value for name, value in options.items() if value}
+    )
 
 
 def _done(_: object) -> None:
-    """All that was asked for before is done."""
+    """Do nothing: when this is done, all that was asked for before is."""
 
 
 def _ask(paint_thread: PaintThread, commands: Sequence[Asked]) -> None:
     for command, arguments in commands:
         paint_thread.post(command, *arguments)
-
-
-def _ask_cue(paint_thread: PaintThread, cue: Cue) -> None:
-    if (
-        cue.command in BRUSH_COMMANDS
-    ):  # by their places: the painting thread looks which brush it will be
-        paint_thread.post(cue.command, *cue.options.values())
-    else:
-        paint_thread.post(cue.command, **cue.options)
 
 
 class Player(QtCore.QObject):
@@ -326,45 +323,45 @@ class Player(QtCore.QObject):
 
     @property
     def is_playing(self) -> bool:
-        """Whether there is something still to be painted."""
+        """True if there is something still to be painted."""
         return self._replay is not None
 
     @property
     def speed(self) -> float | None:
-        """How many times the hand's own; None: as fast as it goes."""
+        """Speed as a multiple of the hand's own; None: as fast as it goes."""
         return self._clock.speed
 
     @property
     def is_paused(self) -> bool:
-        """Whether it stands still until it is to go on."""
+        """True if it is paused."""
         return self._is_paused
 
     @property
     def left_s(self) -> float | None:
-        """How long it still takes as it has gone at this speed, s; None while that is not known."""
+        """Estimate of the time left at this speed, s; None while it is not known."""
         replay, paint_thread = self._replay, self._workspace.stage.paint_thread
         if replay is None or paint_thread is None or self._is_paused:
             return None
         (since, before), fraction = self._since, replay.fraction(paint_thread)
         passed, done = time.perf_counter() - since, fraction - before
-        if passed < _LOOK_S or done < _LOOK_SHARE:
+        if passed < _LOOK_S or done < _LOOK_FRACTION:
             return None
         return passed / done * (1.0 - fraction)
 
     @property
     def is_spreading(self) -> bool:
-        """Whether a text is written and its ink spreads meanwhile, as `stop_spreading` ends."""
+        """True if a text is written and its ink spreads meanwhile, as `stop_spreading` ends."""
         replay, paint_thread = self._replay, self._workspace.stage.paint_thread
         writes = isinstance(replay, _StrokeReplay) and replay.tools.writes
         return writes and paint_thread is not None and paint_thread.wet
 
     def stop_spreading(self) -> None:
-        """Write on while the ink stays where it is laid, until it is to spread again."""
+        """Write on while the ink stays where it is laid, until the user lets it spread again."""
         wet = self._workspace.actions["wet"]
         with QtCore.QSignalBlocker(wet):
             wet.setChecked(False)
         self._workspace.paint_thread.wet = False
-        self._look_again()
+        self._restart_estimate()
         self._workspace.tell(
             say("Ink stays where it is laid; “Ink spreads and dries” lets it spread again")
         )
@@ -372,7 +369,7 @@ class Player(QtCore.QObject):
     def play(
         self, samples: Sequence[DeviceSample], speed: float | None, tools: Tools | None = None
     ) -> None:
-        """Paint samples at so many times their own speed; None: as fast as it goes.
+        """Paint samples at a multiple of their own speed; None: as fast as it goes.
 
         Rests count as `HandTime` does, in full where ink spreads meanwhile.
         """
@@ -395,19 +392,19 @@ class Player(QtCore.QObject):
     def _begin(self, playing: _StrokeReplay | _Score, speed: float | None) -> None:
         self._replay, self._clock = playing, _Clock(speed)
         self._is_paused = self._refused = False
-        self._look_again()
+        self._restart_estimate()
         if not isinstance(playing, _StrokeReplay) or not playing.tools.writes:
-            told = say("Replaying; Esc stops it")
+            message = say("Replaying; Esc stops it")
         elif self.is_spreading:
-            told = say("The brush writes, and its ink spreads; Esc stops it")
+            message = say("The brush writes, and its ink spreads; Esc stops it")
         else:
-            told = say("The brush writes; Esc stops it")
-        self._workspace.tell(told)
+            message = say("The brush writes; Esc stops it")
+        self._workspace.tell(message)
         self.moved.emit(0.0)
         self.tick()
 
     def set_speed(self, speed: float | None) -> None:
-        """Play on at so many times the hand's own speed."""
+        """Go on at another speed, a multiple of the hand's own."""
         replay = self._replay
         if replay is not None:
             if isinstance(replay, _StrokeReplay):
@@ -415,28 +412,28 @@ class Player(QtCore.QObject):
                 if haste != replay.tools.haste(self._clock.speed):
                     self._workspace.paint_thread.use_sample_time_alone(True, haste)
             self._clock.change(replay.reached, speed, self._is_paused)
-            self._look_again()
+            self._restart_estimate()
 
     def pause(self, on: bool) -> None:
-        """Stand still where it is, or go on from there."""
+        """Pause the replay, or go on."""
         if self._replay is not None:
             self._is_paused = on
             self._clock.change(self._replay.reached, self._clock.speed, on)
-            self._look_again()
+            self._restart_estimate()
 
-    def _look_again(self) -> None:
-        """Look from now on how fast it goes."""
+    def _restart_estimate(self) -> None:
+        """Measure from now on how fast it goes."""
         replay, paint_thread = self._replay, self._workspace.stage.paint_thread
         if replay is not None and paint_thread is not None:
             self._since = time.perf_counter(), replay.fraction(paint_thread)
 
     def tick(self) -> None:
-        """Hand on what is due by now, and see how much is painted."""
+        """Feed what is due by now, and emit how much is painted."""
         replay, paint_thread = self._replay, self._workspace.stage.paint_thread
         if replay is None or paint_thread is None:
             return
         if replay.is_refused:
-            self.stop()  # it is told why
+            self.stop()  # the painting thread has reported why
             return
         self.moved.emit(replay.fraction(paint_thread))
         if not replay.is_handed_on:
@@ -455,7 +452,7 @@ class Player(QtCore.QObject):
             self._forget()
 
     def do_stop(self) -> None:
-        """Stop because it is asked for, and say what that leaves."""
+        """Stop on the user's command, and say what that leaves."""
         if self.is_playing:
             is_score = isinstance(self._replay, _Score)
             self.stop()
@@ -485,6 +482,6 @@ class Player(QtCore.QObject):
         self.moved.emit(-1.0)
 
     def _note_failure(self, _: str, state: str, __: bool) -> None:
-        """Leave what went wrong on the status line."""
+        """Note a failure, so that "Ready" does not replace it on the status line."""
         if self._replay is not None and state == "bad":
             self._refused = True

@@ -1,4 +1,4 @@
-"""Recordings of strokes: of what was painted here, and played again."""
+"""Recordings of strokes: saving those painted here, and replaying files."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from paint3d.app.model.frame import Snapshot
-from paint3d.app.model.pad_in_view import lay_in_view
+from paint3d.app.model.input.navigation import ray_at
 from paint3d.app.model.score.playing import begun, painted, score_of_strokes
 from paint3d.app.model.score.stepping import Cue, cues_of
 from paint3d.app.window.files.file_dialogs import ask_file
@@ -23,6 +23,10 @@ from paint3d.calligraphy.dips import apply_dip_option
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Message
 from paint3d.files.progress import part_of
+from paint3d.mesh.bvh import ClosestPoints
+from paint3d.mesh.chart import frame_at, make_chart
+from paint3d.mesh.placement import place, upwards
+from paint3d.painter.flat_input import LaidPad, dipped, size_of
 from paint3d.painter.recorded_tools import (
     recorded_amount,
     recorded_brush,
@@ -31,11 +35,12 @@ from paint3d.painter.recorded_tools import (
     told_at,
 )
 from paint3d.recording.recording import Recording, load_recording, save_recording
-from paint3d.recording.score import Score, is_score, load_score, save_score
+from paint3d.recording.score import is_score, load_score, save_score
+from paint3d.view.camera import Camera, picture_axes
 
-__all__ = ["FORMATS", "Recordings", "samples_of", "tool_changes_of", "tools_in_hand"]
+__all__ = ["FORMATS", "Recordings", "lay_in_view", "samples_of", "tool_changes_of", "tools_in_hand"]
 
-# What a file may be, by its ending, and how the dialog says it:
+# Kinds of files by their suffix, as the dialog names them:
 FORMATS = {
     ".jsonl": Message("Recording, JSON Lines"),
     ".jsonl.gz": Message("Recording, JSON Lines, packed"),
@@ -46,6 +51,8 @@ FORMATS = {
 _SAMPLE, _SAMPLE_DIPS = "data/demo.jsonl.gz", "auto"
 _SAMPLE_OBJECT, _SAMPLE_MM, _SAMPLE_MATERIAL = "bowl", 0.25, "porcelain"
 _READ = 0.6  # of the time that a recording takes to be made ready
+_MARGIN_MM = 1.0
+_ALONG = 0.999  # cosine to the normal above which the picture's up direction is not used
 _AT_ONCE = 1000  # samples between two looks at whether it is still wanted
 
 
@@ -58,11 +65,11 @@ class Recordings:
     targets : Targets
     player : Player
     speed : callable
-        How many times its own speed a recording is to be played at; None: as fast as it goes.
+        Returns the speed of replays relative to their own; None: as fast as it goes.
     may_leave : callable
-        Asks whether what is open may be left; see `Saving.may_leave`.
+        Asks whether the open painting may be left; see `Saving.may_leave`.
     begin : callable
-        Begins a painting on an object, of vertices so many mm apart, of a material.
+        Begins a painting on an object, with a distance of vertices (mm) and a material.
     """
 
     def __init__(
@@ -80,7 +87,7 @@ class Recordings:
         self._recorded_from = 0
 
     def do_record(self, on: bool) -> None:
-        """Remember where the recording begins; when it ends, ask where to save it."""
+        """Begin a recording; when it ends, ask where to save it."""
         workspace = self._workspace
         strokes = len(workspace.painting.strokes)
         if on:
@@ -112,20 +119,26 @@ class Recordings:
         path = self._targets.ask(say("Save the strokes as a recording…"), FORMATS)
         if path is None:
             return
-        title = say("Writing {name}…", name=path.name)
-        done = workspace.run(title, lambda progress: _write(recording, score, path, progress))
+
+        def write(progress: JobProgress) -> None:
+            if path.name.lower().endswith((".score.jsonl", ".score.jsonl.gz")):
+                save_score(score, path, progress)
+            else:
+                save_recording(recording, path, progress)
+
+        done = workspace.run(say("Writing {name}…", name=path.name), write)
         if workspace.went_well(done):
             workspace.tell(say("Exported {name}", name=path.name), state="good")
 
     def do_replay(self) -> None:
-        """Ask for a recording, and paint it on what is here."""
+        """Ask for a recording, and paint it on the object."""
         kinds = f"{say('Recordings')} (*.jsonl *.jsonl.gz *.inkml *.csv);;{say('All files')} (*)"
         path = ask_file(self._workspace.window, say("Replay"), kinds)
         if path:
             self.replay_file(path, self._speed())
 
     def do_sample(self) -> None:
-        """Open a bowl, and have poems written on it, to play with."""
+        """Open a bowl, and write poems on it, as an example."""
         workspace = self._workspace
         if workspace.stage.paint_thread is not None and not self._may_leave():
             return
@@ -136,7 +149,7 @@ class Recordings:
     def replay_file(
         self, path: str, speed: float | None = None, *, dips: str | int | None = None
     ) -> bool:
-        """Paint a recording on what is here, as if by hand; say whether that began.
+        """Paint a recording on the object, as if by hand; return whether that began.
 
         It is painted with its own brush, ink and azimuth, as `paint3d replay` does; the hand gets
         its own back. A pad's, which knows nothing of the object, is laid on it as it is seen; see
@@ -166,7 +179,7 @@ class Recordings:
                 brush = recorded_brush(recording.header)
                 assert brush is not None, "it names the brush that it was planned for"
                 recording = apply_dip_option(recording, brush, dips, material)
-            tools = Tools(_tools_of(recording), (), *tool_changes_of(recording))
+            tools = Tools(_opening_commands(recording), (), *tool_changes_of(recording))
             return samples_of(recording, progress), tools
 
         loaded = workspace.run(title, read)
@@ -178,7 +191,7 @@ class Recordings:
         return True
 
     def _play_score(self, path: str, title: str, speed: float | None) -> bool:
-        """Begin anew on the object that is here, and paint a whole painting on it.
+        """Begin anew on the object, and paint a whole painting on it.
 
         As fast as it goes it is painted beside the window, and shown when it is done.
         """
@@ -210,8 +223,47 @@ class Recordings:
         return True
 
 
-def _tools_of(recording: Recording) -> list[Asked]:
-    """What a recording of version 1 is painted with, freshly dipped; what it does not say stays."""
+def lay_in_view(recording: Recording, surface: ClosestPoints, camera: Camera) -> Recording:
+    """Lay a pad's recording on the object as it is seen, upright and as large as it was drawn.
+
+    Its middle lies at the picture's middle, or at the object's front if that is beside the object.
+    A recording without dips gets one before every stroke.
+
+    Parameters
+    ----------
+    recording : Recording
+        In pad space.
+    surface : ClosestPoints
+        Of the object.
+    camera : Camera
+        Of the view.
+
+    Returns
+    -------
+    Recording
+        In the object's frame.
+
+    Raises
+    ------
+    MeshError, InputError, RecordingError
+        If it does not fit there.
+    """
+    middle, half, scale = size_of(recording)
+    ray = ray_at(camera, 0.5, 0.5, (1.0, 1.0))
+    hits = surface.cast(ray.origin[None], ray.direction[None])
+    if hits.hit[0]:
+        normal = surface.find(hits.points[:1]).normals[0]
+        up = picture_axes(camera)[1]
+        up = upwards(normal) if abs(float(up @ normal)) > _ALONG else up
+        frame = frame_at(surface, hits.points[0], up)
+    else:
+        frame = place(surface, (0.5, 0.5))
+    chart = make_chart(surface, frame, *(half + _MARGIN_MM))
+    return LaidPad(dipped(recording), chart, middle, scale).whole()
+
+
+def _opening_commands(recording: Recording) -> list[Asked]:
+    """Return the commands that set and dip a recording's tools (version 1), as far as given."""
     brush, ink = recorded_brush(recording.header), recorded_ink(recording.header)
     tip = recorded_tip(recording.header)
     asked: list[Asked] = [("set_azimuth", (recording.header["azimuth"],))]
@@ -226,13 +278,13 @@ def _tools_of(recording: Recording) -> list[Asked]:
 def tool_changes_of(
     recording: Recording,
 ) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
-    """What the brush comes to hold at samples; one that is told again holds the last."""
+    """Return loads and strengths of the brush by samples; of several at one, the last."""
     loads, strengths = told_at(recording.header, recording.time_ns)
     return list(dict(loads).items()), list(dict(strengths).items())
 
 
 def tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
-    """What gives the hand back what it holds, freshly dipped."""
+    """Return the commands that give the hand its tools back, freshly dipped."""
     asked: list[Asked] = [("set_azimuth", (painting.azimuth,)), ("set_brush", (brush,))]
     amount = painting.amount.words()
     dips = painting.dips or ((painting.dipped, None),)
@@ -240,17 +292,10 @@ def tools_in_hand(painting: Snapshot, brush: BrushSpec) -> list[Asked]:
 
 
 def samples_of(recording: Recording, progress: JobProgress) -> list[DeviceSample]:
-    """The samples of a recording, telling how far it is."""
+    """Return the samples of a recording, reporting progress."""
     samples = []
     for k, sample in enumerate(recording.samples()):
         samples.append(sample)
         if k % _AT_ONCE == 0:
             progress(_READ + (0.99 - _READ) * k / len(recording))
     return samples
-
-
-def _write(recording: Recording, score: Score, path: Path, progress: JobProgress) -> None:
-    if path.name.lower().endswith((".score.jsonl", ".score.jsonl.gz")):
-        save_score(score, path, progress)
-        return
-    save_recording(recording, path, progress)

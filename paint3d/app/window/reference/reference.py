@@ -1,4 +1,4 @@
-"""The reference at work: opened, drawn over the view or on the object, kept with the painting."""
+"""The reference picture: opened, drawn over the view or on the object, saved with the painting."""
 
 from __future__ import annotations
 
@@ -27,8 +27,8 @@ __all__ = ["Reference"]
 
 _EM_MM = 40.0  # of a copybook of it
 _OPACITY = 0.5  # at first
-_PINNED = 0.6  # share of the view
-_LAID = 0.45  # half of the picture on the object, share of the object's half diagonal
+_PINNED = 0.6  # of the view's size
+_LAID = 0.45  # half of the picture on the object, as a fraction of its half diagonal
 _SMALLER, _TRIES = 0.8, 8  # where there is no room
 _CELLS = 12  # along each side of a picture on a curved object
 _MOST_SCALE = 10.0
@@ -57,9 +57,9 @@ class Reference:
         self._workspace, self._panel, self._copying = workspace, panel, copying
         self._file: Path | None = None
         self._image: QtGui.QImage | None = None
-        self._point: AnyArray | None = None  # where its middle lies on the object
+        self._point: AnyArray | None = None  # of the object, at the picture's middle
         self._up = np.array([0.0, 0.0, 1.0])
-        self._grid: AnyArray | None = None  # (N, N, 3) places of its cells' corners
+        self._grid: AnyArray | None = None  # (N, N, 3), the corners of its cells
         self._normals: AnyArray | None = None
         workspace.canvas.overlays.insert(0, self._paint)
         panel.asked.connect(self.do_reference)
@@ -82,14 +82,14 @@ class Reference:
             self.open(dialog.selectedFiles()[0])
 
     def open(self, file: str | Path) -> bool:
-        """Show a picture as the reference; whether that went well."""
+        """Show a picture as the reference; return whether that succeeded."""
         path = Path(file)
         title = say("Opening {name}…", name=path.name)
         loaded = self._workspace.run(title, lambda _: load_photograph(path))
         if not self._workspace.went_well(loaded):
             return False
         self._take(path, image_of(loaded.result()[0]))
-        self._keep()
+        self._post_to_painting()
         return True
 
     def _take(self, path: Path, image: QtGui.QImage) -> None:
@@ -105,13 +105,13 @@ class Reference:
                 dock.setVisible(on)
 
     def close(self) -> None:
-        """Show none any more."""
-        self._let_go()
+        """Close the reference."""
+        self._forget()
         self._show_panel(False)
-        self._keep()
+        self._post_to_painting()
         self._workspace.canvas.update()
 
-    def _let_go(self) -> None:
+    def _forget(self) -> None:
         self._file = self._image = self._point = self._grid = None
         self._panel.show_image(None)
         self._panel.show_values(PLACES[0], _OPACITY, 1.0)
@@ -122,15 +122,15 @@ class Reference:
 
     def _change(self) -> None:
         if self._panel.values()["place"] != "laid":
-            self._point = None  # it is laid anew where one looks then
+            self._point = None  # it is laid anew at the view's middle
         self._grid = None
-        self._keep()
+        self._post_to_painting()
         self._workspace.canvas.update()
 
     # -- with the painting ------------------------------------------------------------------
 
-    def _keep(self) -> None:
-        """Have the painting know its reference."""
+    def _post_to_painting(self) -> None:
+        """Post the reference to the painting, which saves it."""
         words: dict[str, Any] | None = None
         if self._file is not None:
             words = {"file": str(self._file.absolute()), **self._panel.values()}
@@ -141,24 +141,24 @@ class Reference:
 
     def _recall(self, document: Document) -> None:
         """Show the reference of a painting that is being opened, if its file is still there."""
-        self._let_go()
+        self._forget()
         words = document.properties.get("reference")
         if isinstance(words, dict):
             try:
                 self._read(words)
             except (Paint3DError, KeyError, TypeError, OSError) as error:
-                told = say_error(error) if isinstance(error, Paint3DError) else f"{error}"
-                self._workspace.tell_first(say("The reference is not shown: {why}", why=told))
+                why = say_error(error) if isinstance(error, Paint3DError) else f"{error}"
+                self._workspace.tell_first(say("The reference is not shown: {why}", why=why))
 
     def _read(self, words: dict[str, Any]) -> None:
         path = Path(words["file"])
         if not path.name.lower().endswith(PHOTOGRAPH_SUFFIXES):
             return  # nothing but what is named as a picture is read
-        place = words["place"] if words["place"] in PLACES else PLACES[0]
+        where = words["place"] if words["place"] in PLACES else PLACES[0]
         opacity = as_number(words["opacity"], "opacity", 0.0, 1.0)
         scale = as_number(words["scale"], "scale", 0.01, _MOST_SCALE)
         pixels, _ = load_photograph(path)
-        self._panel.show_values(place, opacity, scale)
+        self._panel.show_values(where, opacity, scale)
         if "point" in words:
             self._point = as_array(words["point"], "point", (3,))
             self._up = as_array(words["up"], "up", (3,))
@@ -189,7 +189,7 @@ class Reference:
         painter.restore()
 
     def _paint_laid(self, painter: QtGui.QPainter, image: QtGui.QImage, scale: float) -> None:
-        """Draw it cell by cell where the object is seen from outside."""
+        """Draw the picture cell by cell where the object's outside is seen."""
         if self._grid is None:
             self._lay(image, scale)
         if self._grid is None or self._normals is None:
@@ -218,31 +218,31 @@ class Reference:
                     painter.restore()
 
     def _lay(self, image: QtGui.QImage, scale: float) -> None:
-        """Find where the picture lies: around where one looks, as large as there is room."""
+        """Lay the picture at the view's middle, as large as there is room."""
         hand, points = self._workspace.hand, self._workspace.stage.points
         if self._point is None:
             canvas = self._workspace.canvas
-            place = hand.place_at(0.5 * canvas.width(), 0.5 * canvas.height())
-            self._point = points.mean(axis=0, dtype=np.float64) if place is None else place
+            point = hand.place_at(0.5 * canvas.width(), 0.5 * canvas.height())
+            self._point = points.mean(axis=0, dtype=np.float64) if point is None else point
             self._up = np.asarray(picture_axes(hand.open_camera)[1], np.float64)
-            self._keep()
+            self._post_to_painting()
         frame = frame_at(hand.surface, self._point, self._up)
         half = _LAID * 0.5 * float(np.linalg.norm(np.ptp(points, axis=0))) * scale
         longer = max(image.width(), image.height())
         wide, high = half * image.width() / longer, half * image.height() / longer
         for _ in range(_TRIES):
             with suppress(MeshError):
-                self._grid, self._normals = _laid_grid(hand.surface, frame, wide, high)
+                self._grid, self._normals = _lay_grid(hand.surface, frame, wide, high)
                 return
             wide, high = _SMALLER * wide, _SMALLER * high
         self._workspace.tell(say("There is no room for the reference on the object"), state="bad")
         self._grid, self._normals = np.empty((1, 1, 3)), np.empty((1, 1, 3))
 
 
-def _laid_grid(
+def _lay_grid(
     surface: Any, frame: SurfaceFrame, wide: float, high: float
 ) -> tuple[AnyArray, AnyArray]:
-    """Places and normals (N, N, 3) of a picture's cells on the object, its upper left first."""
+    """Return points and normals (N, N, 3) of a picture's cells on the object, upper left first."""
     chart = make_chart(surface, frame, wide, high, 2.0 * max(wide, high) / _CELLS)
     x, y = np.linspace(-wide, wide, _CELLS + 1), np.linspace(high, -high, _CELLS + 1)
     xy = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
@@ -251,7 +251,7 @@ def _laid_grid(
 
 
 def _transform(source: QtCore.QRect, corners: list[AnyArray]) -> QtGui.QTransform | None:
-    """What brings a rectangle from the origin, as large as the source, to four corners."""
+    """Return the transform of a rectangle of the source's size at the origin to four corners."""
     width, height = float(source.width()), float(source.height())
     flat = QtGui.QPolygonF(
         [

@@ -1,4 +1,4 @@
-"""The panel of the reference: the picture with a loupe, where it is shown, and how densely."""
+"""The panel of the reference: the picture with a loupe, and how it is shown over the work."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from paint3d.errors import Message
 __all__ = ["PLACES", "ReferenceLook", "ReferencePanel", "ReferenceView", "image_of"]
 
 PLACES = ("beside", "pinned", "laid")
-"""Where the picture is shown: in the panel alone; over the view, too; on the object, too."""
+"""Places of the picture: in the panel alone; over the view, too; on the object, too."""
 _PLACE_NAMES = {
     "beside": Message("Beside the work"),
     "pinned": Message("Over the picture"),
@@ -27,7 +27,7 @@ _CLICK = 5.0  # pixels
 
 
 class ReferenceLook(TypedDict):
-    """How a reference is shown: one of `PLACES`, how densely (0 to 1), times its first size."""
+    """The look of a reference: one of `PLACES`, its opacity (0 to 1), times its first size."""
 
     place: str
     opacity: float
@@ -35,7 +35,7 @@ class ReferenceLook(TypedDict):
 
 
 def image_of(pixels: NDArray[np.uint8]) -> QtGui.QImage:
-    """A picture of (H, W, 3) sRGB codes as Qt has it."""
+    """Return a Qt image of (H, W, 3) sRGB codes."""
     height, width = pixels.shape[:2]
     data = np.ascontiguousarray(pixels)
     form = QtGui.QImage.Format.Format_RGB888
@@ -56,9 +56,9 @@ class ReferenceView(QtWidgets.QWidget):
         super().__init__()
         self.theme = theme
         self.image: QtGui.QImage | None = None
-        self._zoom, self._middle = 1.0, QtCore.QPointF(0.5, 0.5)  # share of the picture
+        self._zoom, self._middle = 1.0, QtCore.QPointF(0.5, 0.5)  # fractions of the picture
         self._at: QtCore.QPointF | None = None
-        self._held: QtCore.QPointF | None = None
+        self._dragged_from: QtCore.QPointF | None = None
         self._moved = 0.0
         self.setMouseTracking(True)
         self.setMinimumHeight(150)
@@ -71,13 +71,13 @@ class ReferenceView(QtWidgets.QWidget):
         self.update()
 
     def _scale(self) -> float:
-        """Pixels of the screen to one of the picture."""
+        """Return the pixels of the widget to one of the picture."""
         assert self.image is not None, "it is shown"
         size = self.image.size()
         return self._zoom * min(self.width() / size.width(), self.height() / size.height())
 
     def _onto(self) -> QtGui.QTransform:
-        """From the picture's pixels to the widget's."""
+        """Return the transform from the picture's pixels to the widget's."""
         assert self.image is not None, "it is shown"
         scale, size = self._scale(), self.image.size()
         x, y = self._middle.x() * size.width(), self._middle.y() * size.height()
@@ -86,27 +86,27 @@ class ReferenceView(QtWidgets.QWidget):
         )
 
     def place_of(self, at: QtCore.QPointF) -> QtCore.QPoint | None:
-        """The picture's pixel under a place of the widget; None beside it."""
+        """Return the picture's pixel at a point of the widget; None beside it."""
         if self.image is None:
             return None
         back, _ = self._onto().inverted()
-        found = back.map(at)
-        pixel = QtCore.QPoint(int(np.floor(found.x())), int(np.floor(found.y())))
+        point = back.map(at)
+        pixel = QtCore.QPoint(int(np.floor(point.x())), int(np.floor(point.y())))
         return pixel if self.image.rect().contains(pixel) else None
 
     def colour_at(self, at: QtCore.QPointF) -> QtGui.QColor | None:
-        """The colour under a place, over 3 x 3 pixels; None beside the picture."""
+        """Return the mean colour of 3 x 3 pixels at a point; None beside the picture."""
         pixel = self.place_of(at)
         if pixel is None or self.image is None:
             return None
         around = QtCore.QRect(pixel - QtCore.QPoint(1, 1), QtCore.QSize(3, 3))
         around &= self.image.rect()
-        found = [
+        colours = [
             self.image.pixelColor(x, y)
             for y in range(around.top(), around.bottom() + 1)
             for x in range(around.left(), around.right() + 1)
         ]
-        codes = [(one.red(), one.green(), one.blue()) for one in found]
+        codes = [(one.red(), one.green(), one.blue()) for one in colours]
         red, green, blue = (round(float(part)) for part in np.mean(codes, axis=0))
         return QtGui.QColor(red, green, blue)
 
@@ -127,7 +127,7 @@ class ReferenceView(QtWidgets.QWidget):
         painter.setTransform(self._onto(), True)
         painter.drawImage(0, 0, self.image)
         painter.restore()
-        if self._at is not None and self._held is None:
+        if self._at is not None and self._dragged_from is None:
             self._draw_loupe(painter, self._at)
         painter.end()
 
@@ -155,28 +155,28 @@ class ReferenceView(QtWidgets.QWidget):
         painter.drawRect(QtCore.QRectF(at.x() - 4.0, at.y() - 4.0, 8.0, 8.0))
 
     def mousePressEvent(self, event: QtGui.QMouseEvent) -> None:
-        """Take hold of the picture."""
-        self._held, self._moved = event.position(), 0.0
+        """Begin to drag the picture."""
+        self._dragged_from, self._moved = event.position(), 0.0
 
     def mouseMoveEvent(self, event: QtGui.QMouseEvent) -> None:
         """Move it, or the loupe."""
         self._at = event.position()
-        if self._held is not None and self.image is not None:
-            way = self._at - self._held
-            self._moved += way.manhattanLength()
+        if self._dragged_from is not None and self.image is not None:
+            shift = self._at - self._dragged_from
+            self._moved += shift.manhattanLength()
             if self._moved > _CLICK:
                 scale, size = self._scale(), self.image.size()
                 self._middle -= QtCore.QPointF(
-                    way.x() / scale / size.width(), way.y() / scale / size.height()
+                    shift.x() / scale / size.width(), shift.y() / scale / size.height()
                 )
-            self._held = self._at
+            self._dragged_from = self._at
         self.update()
 
     def mouseReleaseEvent(self, event: QtGui.QMouseEvent) -> None:
         """Pick the colour, if nothing was moved."""
-        held, self._held = self._held, None
+        began, self._dragged_from = self._dragged_from, None
         colour = self.colour_at(event.position())
-        if held is not None and self._moved <= _CLICK and colour is not None:
+        if began is not None and self._moved <= _CLICK and colour is not None:
             self.picked.emit(colour)
         self.update()
 
@@ -186,7 +186,7 @@ class ReferenceView(QtWidgets.QWidget):
         self.update()
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
-        """Come nearer, or go farther."""
+        """Zoom in or out."""
         factor = _NEARER ** (event.angleDelta().y() / 120.0)
         self._zoom = min(_MOST_ZOOM, max(1.0, self._zoom * factor))
         if self._zoom == 1.0:
@@ -196,14 +196,14 @@ class ReferenceView(QtWidgets.QWidget):
 
 
 class ReferencePanel(QtWidgets.QWidget):
-    """The picture, and what is to be done with it.
+    """The picture, and its controls.
 
     Signals
     -------
     asked, closed, copied : ()
-        A picture is to be opened, let go of, or laid out as a copybook.
+        A picture is to be opened, closed, or laid out as a copybook.
     changed : ()
-        It is to be shown elsewhere, more densely, or larger.
+        Its place, opacity or size was changed.
     picked : QColor
         A colour of it is to be mixed.
     """
@@ -266,7 +266,7 @@ class ReferencePanel(QtWidgets.QWidget):
             widget.setEnabled(image is not None)
 
     def values(self) -> ReferenceLook:
-        """How it is shown."""
+        """Return the chosen look."""
         return {
             "place": self.place.currentData(),
             "opacity": self.opacity.value() / 100.0,
@@ -274,7 +274,7 @@ class ReferencePanel(QtWidgets.QWidget):
         }
 
     def show_values(self, place: str, opacity: float, scale: float) -> None:
-        """Show these, and tell nothing."""
+        """Show these values, without emitting a signal."""
         blocked = [QtCore.QSignalBlocker(slider) for slider in (self.opacity, self.scale)]
         self.place.setCurrentIndex(max(0, self.place.findData(place)))
         self.opacity.setValue(round(100 * opacity))
