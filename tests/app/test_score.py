@@ -262,6 +262,18 @@ def test_a_saved_painting_goes_on_with_its_score(tmp_path) -> None:
     same_paintings(opened, painted(read_back(opened.score, tmp_path), document.surface.source))
 
 
+@pytest.mark.parametrize("command", ["dry", "blot"])
+def test_a_command_that_ends_looking_back_leaves_nothing_to_end(tmp_path, command) -> None:
+    document = small_plane(2.0, material="xuan")
+    sitting(document)
+    document.replay_history(1, passing=True)
+    getattr(document, command)()
+    document.save(tmp_path / "a.p3d")
+    opened = Document.open(tmp_path / "a.p3d").score
+    last = [event["do"] for event in opened.events if not isinstance(event, Recording)]
+    assert last.count("replay_history") == 1
+
+
 def test_samples_become_recordings_once_however_often_it_is_saved(tmp_path, monkeypatch) -> None:
     """Of ink that is wet there are thirty pieces a second, and a base is saved again and again."""
     made: list[int] = []

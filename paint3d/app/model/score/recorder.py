@@ -46,8 +46,8 @@ _Document = TypeVar("_Document", bound=_Recorded)
 _OF_WHOLE = ("brush", "ink", "dipped", "dips", "amount", "azimuth")
 """Settings of a painting that was painted whole which say with what, where it is gone on with."""
 _PREVIEW_COMMANDS = frozenset(  # that begin or end a preview
-    {"undo", "redo", "replay_history", "begin_stroke", "dry", "press_seal", "lay_text",
-     "remove_text"}
+    {"undo", "redo", "replay_history", "begin_stroke", "dry", "blot", "press_seal",
+     "lay_text", "remove_text"}
 )  # fmt: skip
 
 
