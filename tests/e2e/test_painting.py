@@ -191,7 +191,8 @@ def test_a_point_cloud_is_painted_and_said_to_be_one(
     done = paint3d("replay", recording, "--on", cloud, "--out", out)
     assert done.returncode == 0, done.stderr
     assert out.exists()
-    assert done.stderr.splitlines() == [
+    # beside how far it is, where that takes long
+    assert [line for line in done.stderr.splitlines() if line.startswith("paint3d: ")] == [
         f"paint3d: note: {cloud}: it is a point cloud: built 1,800 triangles through 961 points"
     ]
 
