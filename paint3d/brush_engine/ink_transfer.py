@@ -379,8 +379,8 @@ def _count_drained(before, after, found, n, field, ink):
                 squared += held * held
         if squared > 0.0:
             fourth = squared * squared
-            told = fourth / (fourth + (_TRACE * total) ** 4)
-            coats[k] = max(coats[k], np.float32(told * along / squared * total))
+            weight = fourth / (fourth + (_TRACE * total) ** 4)
+            coats[k] = max(coats[k], np.float32(weight * along / squared * total))
 
 
 @uncounted(error_model="numpy", apart=True)

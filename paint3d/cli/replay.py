@@ -46,8 +46,6 @@ from paint3d.cli.results import (
     refuse_untouched,
     result_suffixes,
     timed,
-    write_report,
-    write_result,
 )
 from paint3d.cli.sources import lay_on
 from paint3d.errors import InputError, RecordingError
@@ -275,13 +273,7 @@ def _replay_score(options: argparse.Namespace, film: FilmWanted | None = None) -
             source=document.surface.source.name,
             object=score.header.get("object", "not said"),
         )
-    with timed(painting.seconds, "export"):
-        if options.out is not None:
-            write_result(painting, options.out, quiet=options.quiet)
-        if watch is not None:
-            watch.write()
-    if options.report is not None:
-        write_report(options.report, painting)
+    finish(painting, options, watch)
     if not options.quiet:
         sys.stdout.write(f"{options.out or options.film}: {painting.summarize()}\n")
 

@@ -162,7 +162,7 @@ class SceneDrawing:
             set_edges(drawn.data, scene.edges)
         is_still = scene.vertices is before.vertices and scene.peak == before.peak
         if scene.edges is None and is_still and scene.ground is before.ground:
-            self._changed = np.concatenate(changed)
+            self._changed = np.concatenate([self._changed, *changed])
         else:
             self._last = None
         if scene.peak != before.peak:
@@ -201,7 +201,7 @@ class SceneDrawing:
             if x1 > x0 and y1 > y0:
                 fine = self._draw(box, self._scale)
                 pixels[y0:y1, x0:x1] = join_pixels(fine, self._scale, self._transparent)
-        self._last = pixels
+        self._last, self._changed = pixels, self._changed[:0]
         return pixels
 
     def _draw(
@@ -338,7 +338,7 @@ def _lit_object(scene: Scene, gloss: Gloss) -> DrawnMesh:
 def _set_roughness(drawn: DrawnMesh, roughness: AnyArray) -> None:
     """Set the roughness (V,) of each vertex as a place in a texture of 256 levels."""
     u = (255.0 * np.clip(roughness, 0.0, 1.0) + 0.5) / 256.0
-    drawn.set_corners(np.stack([u, np.full_like(u, 0.5)], axis=1))
+    drawn.set_texture_coordinates(np.stack([u, np.full_like(u, 0.5)], axis=1))
 
 
 def _draw_ground(ground: Ground) -> Any:
@@ -347,7 +347,7 @@ def _draw_ground(ground: Ground) -> Any:
     corners = origin + half * np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
     square = DrawnMesh()
     square.set_shape(corners, np.array([[0, 1, 2], [0, 2, 3]]))
-    square.set_corners(np.array([[0, 0], [1, 0], [1, 1], [0, 1]]))
+    square.set_texture_coordinates(np.array([[0, 0], [1, 0], [1, 1], [0, 1]]))
     pixels = np.rint(255 * linear_to_srgb(_ground_light(ground))).astype(np.uint8)
     square.actor.SetTexture(_texture(pixels))
     square.actor.GetProperty().SetLighting(False)
@@ -372,7 +372,7 @@ def _add_studio(renderer: Any, scene: Scene) -> None:
     """Reflect the panorama; light the body evenly, since vertex colours include the light."""
     renderer.SetUseImageBasedLighting(True)
     renderer.SetEnvironmentTexture(
-        _texture(scene.exposure * make_panorama(studio=scene.studio), smaller=True), False
+        _texture(scene.exposure * make_panorama(studio=scene.studio), mipmaps=True), False
     )
     renderer.SetUseSphericalHarmonics(False)
     renderer.SetEnvironmentRight(1, 0, 0)
@@ -389,7 +389,7 @@ def _light_body(renderer: Any, peak: float) -> None:
     """Set even light such that vertex colours appear as light times `peak`."""
     irradiance = renderer.GetEnvMapIrradiance()
     irradiance.SetInputTexture(
-        _texture(np.full((2, 4, 3), peak / DIFFUSE, np.float32), smaller=True)
+        _texture(np.full((2, 4, 3), peak / DIFFUSE, np.float32), mipmaps=True)
     )
     irradiance.SetIrradianceSize(4)
     irradiance.SetIrradianceStep(0.1)
@@ -426,16 +426,16 @@ def _place_camera(
     renderer.ResetCameraClippingRange()
 
 
-def _texture(pixels: AnyArray, *, smaller: bool = False) -> Any:
+def _texture(pixels: AnyArray, *, mipmaps: bool = False) -> Any:
     """Return a texture of the (H, W, 3) array, first row at the bottom, values unchanged.
 
-    With `smaller` copies (mipmaps), whose transitions are visible at grazing angles.
+    Transitions between `mipmaps` are visible at grazing angles.
     """
     from vtkmodules.vtkRenderingCore import vtkTexture
 
     texture = make_texture(pixels)
     texture.SetWrap(vtkTexture.Repeat)
-    texture.SetMipmap(smaller)
+    texture.SetMipmap(mipmaps)
     return texture
 
 

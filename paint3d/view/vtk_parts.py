@@ -238,10 +238,10 @@ class DrawnMesh:
 
     def set_texture(self, pixels: AnyArray, corners: AnyArray) -> None:
         """Set a texture (H, W, 4) uint8, bottom row first; corners (K, 2) are the points' u, v."""
-        self.set_corners(corners)
+        self.set_texture_coordinates(corners)
         self.actor.SetTexture(make_texture(pixels))
 
-    def set_corners(self, corners: AnyArray) -> None:
+    def set_texture_coordinates(self, corners: AnyArray) -> None:
         """Set the points' places u, v (K, 2) in textures."""
         from vtkmodules.util.numpy_support import numpy_to_vtk
 

@@ -284,14 +284,19 @@ def window(program):
         assert not found
 
 
+def give_keys(window) -> None:
+    """Give the keyboard to the canvas."""
+    window.activateWindow()
+    wait_for(window.isActiveWindow)
+    window.canvas.setFocus()
+
+
 @pytest.fixture(params=["dry", "wet"])
 def painted(window, request: pytest.FixtureRequest):
     """A window with some strokes, and codes of all colours after none, one, two... of them."""
     assert window.opening.open_path("plane", 2.5, "xuan", asked=True)
     window.stage.paint_thread.wet = request.param == "wet"
-    window.activateWindow()
-    wait_for(window.isActiveWindow)
-    window.canvas.setFocus()
+    give_keys(window)
     seen = [colours(window)]
     for y in np.linspace(0.35, 0.65, N_STROKES):
         drag(window.canvas, (0.42, y), (0.58, y), n=6)
@@ -357,9 +362,7 @@ def running_ink(window):
     """
     assert window.opening.open_path("scroll:170x680", 0.6, "xuan", asked=True)
     thread = window.stage.paint_thread
-    window.activateWindow()
-    wait_for(window.isActiveWindow)
-    window.canvas.setFocus()
+    give_keys(window)
     seen = [fine_colours(window)]
     for y in np.linspace(0.35, 0.65, N_STROKES):
         drag(window.canvas, (0.46, y), (0.54, y), n=6)
