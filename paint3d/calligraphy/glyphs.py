@@ -167,12 +167,16 @@ class Glyph:
         Whether it is a filled shape, of which nothing is to stay bare: it is written without
         variation, and the brush is dipped as often as it takes. What the strokes leave of their
         outlines is dabbed, unless one says how dry or how pale it is.
+    joined : bool
+        Whether one shape was taken apart into its strokes, as of a font: they vary as one, so that
+        they stay together.
     """
 
     text: str
     strokes: tuple[GlyphStroke, ...]
     box: Box = EM_BOX
     solid: bool = False
+    joined: bool = False
 
     @property
     def middle(self) -> tuple[float, float]:

@@ -38,11 +38,11 @@ from paint3d.calligraphy.hand_motion import (
 from paint3d.calligraphy.layout import LEAST_EM_MM, MOST_EM_MM, Layout, layout_text
 from paint3d.calligraphy.page.laying import PlacedPiece, lay_page
 from paint3d.calligraphy.page.page import Composer, Page
-from paint3d.calligraphy.path_fit import PlanSettings
+from paint3d.calligraphy.path_fit import PlanSettings, StrokePath
 from paint3d.calligraphy.planning import on_paper, plan_glyph
 from paint3d.calligraphy.processes import in_processes
 from paint3d.calligraphy.timing import Motion, Tempo, time_paths
-from paint3d.calligraphy.variation import vary_motion
+from paint3d.calligraphy.variation import vary_paths
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.recorded import Recording
 from paint3d.errors import InputError, MeshError
@@ -233,20 +233,19 @@ def _write(
     as_number(settings.seed, "seed", 0)
     tuft, footprints, settings = _prepare_tools(placed, settings)
     glyphs = {id(piece.glyph): piece.glyph for piece in placed}
-    motions: dict[int, Motion] = {}
-    with closing(_plan_all(glyphs.values(), footprints, settings, processes)) as plans:
-        for (key, glyph), motion in zip(glyphs.items(), plans, strict=True):
-            motions[key] = motion
+    plans: dict[int, list[StrokePath]] = {}
+    with closing(_plan_all(glyphs.values(), footprints, settings, processes)) as planned:
+        for (key, glyph), paths in zip(glyphs.items(), planned, strict=True):
+            plans[key] = paths
             if progress is not None:
-                progress(glyph.text, len(motions) / len(glyphs))
-    laid = []
+                progress(glyph.text, len(plans) / len(glyphs))
+    laid, motions = [], []
     for k, piece in enumerate(placed):
         middle = on_paper(np.array(piece.glyph.middle), settings.em_mm)
-        amount = 0.0 if piece.glyph.solid else settings.variation  # its strokes have to join
-        motion = vary_motion(
-            motions[id(piece.glyph)], middle, settings.em_mm, amount, [settings.seed, k]
+        motions.append(
+            _time_piece(piece.glyph, plans[id(piece.glyph)], middle, footprints, settings, k)
         )
-        laid.append(_lay_piece(surface, piece, motion, tuft, settings))
+        laid.append(_lay_piece(surface, piece, motions[-1], tuft, settings))
     characters = [_describe_piece(piece) for piece in placed]
     entries = {
         "brush": settings.brush.name,
@@ -302,7 +301,7 @@ def plan_ahead(placed: Sequence[PlacedPiece], settings: WritingSettings) -> Gene
 
 def _with_ink_per_sample(
     written: Written,
-    motions: Mapping[int, Motion],
+    motions: Sequence[Motion],
     parts: Sequence[HandMotion],
     stations: Callable[[Motion, Glyph], NDArray[np.float64]],
 ) -> Written:
@@ -314,48 +313,36 @@ def _with_ink_per_sample(
     if not asked and not pale:
         return written
 
-    def own_strokes(glyph: Glyph) -> NDArray[np.float64]:
-        own = np.minimum(motions[id(glyph)].stroke, len(glyph.strokes) - 1)  # dabs: the last one's
-        return np.where(own >= 0, own, np.nan)
-
-    counted = _count_through(
-        glyphs,
-        parts,
-        own_strokes,
-        lambda glyph: len(glyph.strokes),
-    )
+    own = []
+    for glyph, motion in zip(glyphs, motions, strict=True):
+        one = np.minimum(motion.stroke, len(glyph.strokes) - 1)  # dabs: the last one's
+        own.append(np.where(one >= 0, one, np.nan))
+    counted = _count_through(parts, own, [len(glyph.strokes) for glyph in glyphs])
     stroke = np.nan_to_num(counted, nan=-1.0).astype(np.int64)
     written = replace(written, stroke=stroke)
     if pale:
         strength = np.array([*(one.strength for one in strokes), np.nan])[stroke]
         written = replace(written, strength=strength)
     if asked:
-        own = {id(glyph): stations(motions[id(glyph)], glyph) for glyph in glyphs}
-        station = _count_through(
-            glyphs,
-            parts,
-            lambda glyph: own[id(glyph)],
-            lambda glyph: sum(len(one.dryness) for one in glyph.strokes),
-        )
+        own = [stations(motion, glyph) for glyph, motion in zip(glyphs, motions, strict=True)]
+        counts = [sum(len(one.dryness) for one in glyph.strokes) for glyph in glyphs]
+        station = _count_through(parts, own, counts)
         dryness = dryness_at(station, np.array(asked))
         written = replace(written, dryness=dryness, station=station)
     return written
 
 
 def _count_through(
-    glyphs: Sequence[Glyph],
-    parts: Sequence[HandMotion],
-    own: Callable[[Glyph], NDArray[np.float64]],
-    count: Callable[[Glyph], int],
+    parts: Sequence[HandMotion], own: Sequence[NDArray[np.float64]], counts: Sequence[int]
 ) -> NDArray[np.float64]:
     """Counts of glyphs at their own samples, counted on through all of them (N,).
 
     Every other part is the move to the next glyph: NaN.
     """
     values, first = [np.full(len(part.pressure), np.nan) for part in parts], 0
-    for k, glyph in enumerate(glyphs):
-        values[2 * k] = first + own(glyph)
-        first += count(glyph)
+    for k, (one, count) in enumerate(zip(own, counts, strict=True)):
+        values[2 * k] = first + one
+        first += count
     return np.concatenate(values)
 
 
@@ -369,26 +356,26 @@ def _surface_of(mesh: TriangleMesh) -> ClosestPoints:
 
 
 class _Plans:
-    """Motions of glyphs that were planned before, the last ones used.
+    """Strokes of glyphs that were planned before, the last ones used.
 
     Several threads may ask.
     """
 
     def __init__(self) -> None:
-        self._cached: OrderedDict[bytes, Motion] = OrderedDict()
+        self._cached: OrderedDict[bytes, list[StrokePath]] = OrderedDict()
         self._lock = threading.Lock()
 
-    def find(self, key: bytes) -> Motion | None:
-        """The motion of a key; None where it is not known."""
+    def find(self, key: bytes) -> list[StrokePath] | None:
+        """The strokes of a key; None where it is not known."""
         with self._lock:
             if key in self._cached:
                 self._cached.move_to_end(key)
             return self._cached.get(key)
 
-    def keep(self, key: bytes, motion: Motion) -> None:
-        """Cache it, in place of the one that was used least lately."""
+    def keep(self, key: bytes, paths: list[StrokePath]) -> None:
+        """Cache them, in place of those that were used least lately."""
         with self._lock:
-            self._cached[key] = motion
+            self._cached[key] = paths
             while len(self._cached) > _MOST_PLANS:
                 self._cached.popitem(last=False)
 
@@ -397,10 +384,8 @@ _plans = _Plans()
 
 
 def _plan_key(glyph: Glyph, settings: WritingSettings) -> bytes:
-    """A digest of all that a glyph's motion depends on."""
-    words = repr(
-        (glyph.box, glyph.solid, settings.brush, settings.em_mm, settings.plan, settings.tempo)
-    ).encode()
+    """A digest of all that a glyph's planned strokes depend on."""
+    words = repr((glyph.box, glyph.solid, settings.brush, settings.em_mm, settings.plan)).encode()
     digest = hashlib.sha256(words)
     for stroke in glyph.strokes:
         for ring in (stroke.outline, stroke.median, *stroke.holes):
@@ -415,34 +400,50 @@ def _plan_all(
     processes: int,
     *,
     apart: bool = False,
-) -> Generator[Motion]:
-    """The motions of glyphs in their order; few are planned here, stroke beside stroke.
+) -> Generator[list[StrokePath]]:
+    """The planned strokes of glyphs in their order; few are planned here, stroke beside stroke.
 
     What was planned before is not planned again. With `apart` nothing is planned in this process.
     """
     keys = [_plan_key(glyph, settings) for glyph in glyphs]
     known = [_plans.find(key) for key in keys]
-    lacking = [glyph for glyph, motion in zip(glyphs, known, strict=True) if motion is None]
+    lacking = [glyph for glyph, paths in zip(glyphs, known, strict=True) if paths is None]
     n = min(processes, len(lacking))
     if not apart and (n < 2 or len(lacking) < _FEW):
-        made = (_plan_motion(glyph, footprints, settings, processes) for glyph in lacking)
+        made = (_plan_glyph(glyph, footprints, settings, processes) for glyph in lacking)
     else:
-        work = partial(_plan_motion, footprints=footprints, settings=settings)
+        work = partial(_plan_glyph, footprints=footprints, settings=settings)
         made = in_processes(work, lacking, n, is_patient=apart)
     with closing(made):
-        for key, motion in zip(keys, known, strict=True):
-            if motion is None:
-                motion = next(made)
-                _plans.keep(key, motion)
-            yield motion
+        for key, paths in zip(keys, known, strict=True):
+            if paths is None:
+                paths = next(made)
+                _plans.keep(key, paths)
+            yield paths
 
 
-def _plan_motion(
+def _plan_glyph(
     glyph: Glyph, footprints: FootprintTable, settings: WritingSettings, threads: int = 1
+) -> list[StrokePath]:
+    return plan_glyph(glyph, settings.em_mm, footprints, settings.plan, threads)
+
+
+def _time_piece(
+    glyph: Glyph,
+    paths: list[StrokePath],
+    middle: AnyArray,
+    footprints: FootprintTable,
+    settings: WritingSettings,
+    number: int,
 ) -> Motion:
-    paths = plan_glyph(glyph, settings.em_mm, footprints, settings.plan, threads)
-    loads = loads_of(paths, settings.em_mm, footprints) if glyph.solid else [paths]
-    return time_paths(loads, settings.em_mm, settings.tempo)
+    """The motion of the text's piece of a number: its strokes as the hand writes them there."""
+    em_mm = settings.em_mm
+    if glyph.solid:  # nothing of it is to stay bare
+        loads = loads_of(paths, em_mm, footprints)
+    else:
+        seed = [settings.seed, number]
+        loads = [vary_paths(paths, middle, em_mm, settings.variation, seed, joined=glyph.joined)]
+    return time_paths(loads, em_mm, settings.tempo)
 
 
 # -- laying -------------------------------------------------------------------------------------

@@ -592,6 +592,6 @@ def test_what_was_planned_ahead_is_not_planned_again(monkeypatch) -> None:
         for one in layout_text(ClosestPoints(mesh), "十", 18.0)
     ]
     assert len(list(writing.plan_ahead(placed, settings))) == 1
-    monkeypatch.setattr(writing, "_plan_motion", lambda *_, **__: pytest.fail("planned again"))
+    monkeypatch.setattr(writing, "_plan_glyph", lambda *_, **__: pytest.fail("planned again"))
     again = writing.write_text(mesh, "十", open_glyphs(None), settings)
     assert len(again.recording) > 100

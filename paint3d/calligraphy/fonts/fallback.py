@@ -115,7 +115,7 @@ def _fit_font(font: FittedFont, text: str) -> Glyph:
         growth = 0.5 * width * min(max(more, _LEAST_GROWTH), _MOST_GROWTH)
     ink = transform(ink, lambda points: font.scale * points + font.shift)
     grown = as_multipolygon(ink.buffer(growth))
-    return Glyph(text, tuple(decompose(ink if grown.is_empty else grown)))
+    return Glyph(text, tuple(decompose(ink if grown.is_empty else grown)), joined=True)
 
 
 @lru_cache(maxsize=32)

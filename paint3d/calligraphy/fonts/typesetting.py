@@ -450,7 +450,7 @@ class FontText:
         else:
             half = max(upper + first.y - middle, middle - lower - first.y)
             lower, upper = middle - first.y - half, middle - first.y + half
-        return Glyph(text, tuple(strokes), (left, lower, right, upper))
+        return Glyph(text, tuple(strokes), (left, lower, right, upper), joined=True)
 
     def _known_strokes(self, body: Body, text: str) -> tuple[Glyph, ...]:
         """The strokes of a character that is known; none of what is joined of several."""

@@ -92,7 +92,8 @@ def _piece_words(piece: Piece) -> dict[str, Any]:
         "box": _round(np.array(glyph.box)),
         "strokes": strokes,
     }
-    return {**words, "solid": True} if glyph.solid else words
+    flags = {"solid": glyph.solid, "joined": glyph.joined}
+    return {**words, **{name: True for name, holds in flags.items() if holds}}
 
 
 def _stroke_words(order: int, stroke: GlyphStroke) -> dict[str, Any]:
@@ -205,7 +206,8 @@ def _parse_glyph(data: dict[str, Any], name: str) -> Glyph:
         _require_text(data, "text", name),
         tuple(stroke for _, stroke in read),
         (left, lower, right, upper),
-        data.get("solid", False) is True,
+        solid=data.get("solid", False) is True,
+        joined=data.get("joined", False) is True,
     )
 
 
