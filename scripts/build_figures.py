@@ -12,6 +12,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 import numpy as np
 from matplotlib.patches import Circle, Rectangle
+from scipy.interpolate import splev, splprep
 
 import paint3d
 from paint3d.brush.bending import build_tuft
@@ -62,6 +63,40 @@ def draw_footprints() -> plt.Figure:
         axes.set_ylabel(f"{name}\nmm")
     rows[-1].set_xlabel("mm along the bend (each footprint shifted by 26 mm)")
     figure.suptitle("Footprints over the force, holder upright")
+    return figure
+
+
+def draw_nodes() -> plt.Figure:
+    """The papers' footprint, a spline through the nodes that touch, over ours: three presses."""
+    spec = load_brush("full")
+    tuft = build_tuft(spec)
+    joints = np.concatenate([[0.0], np.cumsum(spec.segment_lengths)])
+    diameters = spec.diameters(joints)
+    figure, columns = plt.subplots(1, 3, figsize=(9, 3.6), layout="constrained")
+    for axes, force in zip(columns, (0.6, 2.0, 5.0), strict=True):
+        reach, half = outline(tuft, force, UPRIGHT)
+        axes.fill(np.r_[reach, reach[::-1]], np.r_[half, -half[::-1]], color="0.8", label="ours")
+        spine = np.zeros((3, STATIONS))
+        trace_spine(tuft, force / tuft.spring, UPRIGHT, spine)
+        along, up, angle = (np.interp(joints, tuft.arcs, part) for part in spine)
+        spread = 1.0 + tuft.spread * force / tuft.max_force
+        wide, thick = spread * diameters, diameters / spread  # Guo 2017, Eqs. 2 and 3
+        under_root = thick**2 - 4.0 * up**2 / np.cos(angle) ** 2
+        touches = (under_root > 0.0) | (np.arange(len(joints)) == 0)
+        x = (along - up * np.tan(angle))[touches]
+        half = np.zeros_like(x)
+        half[1:] = (0.5 * wide / np.maximum(thick, 1e-9) * np.sqrt(np.maximum(under_root, 0.0)))[
+            touches
+        ][1:]
+        ring = np.stack([np.r_[x, x[:0:-1]], np.r_[half, -half[:0:-1]]])
+        if len(x) > 2:
+            closed = splprep(np.column_stack([ring, ring[:, :1]]), s=0.0, per=True)[0]
+            axes.plot(*splev(np.linspace(0.0, 1.0, 400), closed), "tab:red", lw=1, label="papers'")
+        axes.plot(*ring, "o", color="tab:red", ms=4)
+        axes.set_aspect("equal")
+        axes.set_title(f"{force:g} N: {len(x)} of {len(joints)} nodes touch", fontsize=9)
+        axes.set_xlabel("mm along the bend")
+    columns[1].legend(fontsize=8, loc="lower right")
     return figure
 
 
@@ -194,6 +229,7 @@ def main() -> None:
     """Draw the figures named, or all of them."""
     drawings = {
         "footprints": draw_footprints,
+        "nodes": draw_nodes,
         "spheres": draw_spheres,
         "projection": draw_projection,
         "ink": draw_ink,
