@@ -42,6 +42,7 @@ _END_PRESS, _END_LEAN = 0.16, 0.22  # of the depth; rad
 _MEETING = 1.3  # reaches: what is nearer to another stroke meets it
 _OPEN = 0.4  # so many ends stay as planned, to one that is closed more or less
 _CLOSED, _TURN_BACK, _BACK = 1.3, 0.33, 0.45  # reaches: from where, to where, how far back
+_CORNER = 0.25  # reaches aside, of where the brush comes down and where it turns
 _STRAIGHT, _BROAD = 0.9, 0.75  # net over its way; of the median depth: what may be closed
 _ROUND, _ROUND_SPACING = 0.04, 0.15  # ems: corners are rounded over it at the most; in turn so far
 _STEP = 0.004  # ems between points that are made
@@ -119,9 +120,9 @@ def _vary_stroke(
         for end in poses[[0, -1], :2]
     ]
     for order, free in zip((1, -1), is_free, strict=True):
-        strength, press = rng.uniform(-_OPEN, 1.0), _draw(rng, _END_PRESS)[0]
+        strength, own = rng.uniform(-_OPEN, 1.0), _draw(rng, _END_PRESS, _CORNER, _CORNER)
         if free and strength > 0.0:
-            closed = _close_begin(poses[::order], em_mm, min(1.0, amount * strength), press)
+            closed = _close_begin(poses[::order], em_mm, min(1.0, amount * strength), own)
             poses = closed[::order]
     # Corners: between going into one and going round it, each in its own way.
     way = _way_along(poses)
@@ -158,12 +159,13 @@ def _vary_stroke(
     return np.column_stack([handle, azimuth, np.maximum(0.0, poses[:, 3] * depth)])
 
 
-def _close_begin(poses: AnyArray, em_mm: float, strength: float, press: float) -> AnyArray:
+def _close_begin(poses: AnyArray, em_mm: float, strength: float, own: AnyArray) -> AnyArray:
     """Begin a stroke (N, 4) with its tip hidden (strength 1), as planned (0), or between the two.
 
     The brush comes down within the stroke, goes back towards its begin while it sinks, turns there
-    and goes on: the begin is round, and not a point. A begin that is drawn out thin, or that goes
-    about corners, stays. Read backwards it is the end of one.
+    and goes on: the begin is blunt, and not a point. By `own` it is pressed more there, of the
+    depth, and lies aside where it comes down and where it turns, in reaches. A begin that is drawn
+    out thin, or that goes about corners, stays. Read backwards it is the end of one.
     """
     way, reach, deep = _way_along(poses), _REACH * em_mm, poses[:, 3]
     inside = _CLOSED * reach
@@ -176,14 +178,20 @@ def _close_begin(poses: AnyArray, em_mm: float, strength: float, press: float) -
         return poses
     turn = strength * _TURN_BACK * reach
     landing = turn + strength * _BACK * reach
+    press, aside_landing, aside_turn = own
     most = strength * (1.0 + press) * deep[n] + (1.0 - strength) * float(np.interp(turn, way, deep))
     step = _STEP * em_mm
     back = np.linspace(landing, turn, max(2, round((landing - turn) / step)), endpoint=False)
     on = np.linspace(turn, way[n], max(2, round((way[n] - turn) / step)), endpoint=False)
     begin = np.column_stack([np.interp(np.r_[back, on], way, column) for column in poses.T])
     eased = minimum_jerk((on - turn) / (way[n] - turn))
-    begin[: len(back), 3] = most * minimum_jerk(np.linspace(0.0, 1.0, len(back), endpoint=False))
+    down = minimum_jerk(np.linspace(0.0, 1.0, len(back), endpoint=False))
+    begin[: len(back), 3] = most * down
     begin[len(back) :, 3] += (1.0 - eased) * (most - begin[len(back), 3])
+    aside = np.r_[aside_landing + (aside_turn - aside_landing) * down, aside_turn * (1.0 - eased)]
+    inward = poses[n, :2] - poses[0, :2]
+    across = _turn_left(inward / np.linalg.norm(inward))
+    begin[:, :2] += strength * reach * aside[:, None] * across
     return np.concatenate([begin, poses[n:]])
 
 
