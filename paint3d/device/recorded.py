@@ -17,7 +17,7 @@ __all__ = ["FORMAT", "MAX_FORCE_N", "MODEL", "UNIT_TOLERANCE", "VERSION", "Recor
 
 FORMAT = "paint3d-recording"
 VERSION = 1
-MODEL = 13
+MODEL = 14
 """Version of the brush and ink by which strokes are painted: it goes up where marks change."""
 MAX_FORCE_N = 7.9
 """Greatest force of the papers' device (Guo 2017, section 5): pressure 1."""
