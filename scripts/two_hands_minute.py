@@ -33,10 +33,10 @@ from paint3d.device.device_log import PlaybackLink
 from paint3d.device.force.force_port import SocketForcePort
 from paint3d.device.force.haptic_stylus import decode_pose, encode_pose
 from paint3d.device.hid_nodes import HidNode
+from paint3d.device.report_timing import ReportClock, stamp
 from paint3d.device.sample import StylusReading
 from paint3d.device.six_dof import MouseReading, find_mouse_layout
 from paint3d.device.space_mouse import DeflectionSettings, SpaceMouse, deflection
-from paint3d.device.stylus import ReportClock, stamp
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
 from paint3d.painter.painter import Painter

@@ -304,7 +304,7 @@ def _parse_axes(text: str) -> tuple[str, ...]:
 
 
 def _parse_button(text: str) -> tuple[int, str]:
-    from paint3d.device.button_actions import checked_actions
+    from paint3d.pose.mouse_settings import checked_actions
 
     number, _, action = text.partition("=")
     if not number.isdecimal() or not 1 <= int(number) <= 31:
@@ -410,9 +410,8 @@ def set_devices(options: argparse.Namespace) -> None:
     import dataclasses
 
     from paint3d.app.model.persistence.settings import load_settings, save_settings
-    from paint3d.device.button_actions import DEFAULT_ACTIONS
     from paint3d.haptics.settings import Feel
-    from paint3d.pose.mouse_settings import MouseSettings
+    from paint3d.pose.mouse_settings import DEFAULT_ACTIONS, MouseSettings
 
     settings, problem = load_settings()
     if problem is not None:
@@ -675,9 +674,9 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _rate_at(name: str, times: list[int]) -> list[str]:
-    from paint3d.device.report_rate import find_report_rate
+    from paint3d.device.report_timing import measure_report_rate
 
-    rate = find_report_rate(times)
+    rate = measure_report_rate(times)
     if not rate.rate_hz:
         return [f"{name}: {rate.n} reports; move it while it is checked"]
     return [
@@ -690,7 +689,7 @@ def _rate_at(name: str, times: list[int]) -> list[str]:
 def _rate_of(node: HidNode, reports: list[tuple[int, bytes]]) -> str:
     import numpy as np
 
-    from paint3d.device.report_rate import lateness_ms
+    from paint3d.device.report_timing import lateness_ms
 
     (line,) = _rate_at(node.name, [time_ns for time_ns, _ in reports])
     numbered = [(t, r) for t, r in reports if node.kind == "stylus" and len(r) >= 25]
@@ -764,7 +763,7 @@ def _take_samples(
 
     log = None if options.raw is None else DeviceLog(options.raw)
     try:
-        devices = _plug_in(options.stylus, None if log is None else log.keep)
+        devices = _plug_in(options.stylus, None if log is None else log.append)
         try:
             if log is not None and devices.reader is not None:
                 raise DeviceError(

@@ -340,7 +340,7 @@ class Caps(NoDevices):
 
     read = None
 
-    def read_caps(self, deflection) -> None:
+    def set_deflection(self, deflection) -> None:
         self.read = deflection
 
 

@@ -305,7 +305,7 @@ class Devices:
         taken, self.readings = self.readings[:5], self.readings[5:]
         return taken
 
-    def read_caps(self, deflection) -> None:
+    def set_deflection(self, deflection) -> None:
         pass
 
     def stop(self) -> None:

@@ -201,7 +201,7 @@ def test_a_port_that_breaks_is_told_and_not_waited_for() -> None:
 
 
 def test_one_that_says_nothing_is_not_waited_for_for_ever() -> None:
-    with pytest.raises(DeviceError, match=r"Haply said nothing within 0\.1 s; expected it to be"):
+    with pytest.raises(DeviceError, match=r"Haply sent nothing within 0\.1 s; expected it to be"):
         PortReader(Going(None, 0), "Haply", 0.1)
 
 

@@ -12,12 +12,6 @@ from hypothesis import strategies as st
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.cli.main import main
 from paint3d.core.quaternion import rotate
-from paint3d.device.button_actions import (
-    ACTIONS,
-    DEFAULT_ACTIONS,
-    checked_actions,
-    find_actions,
-)
 from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.sample import StylusReading
 from paint3d.device.space_mouse import (
@@ -28,7 +22,14 @@ from paint3d.device.space_mouse import (
 )
 from paint3d.errors import DeviceError, UnknownNameError
 from paint3d.haptics.settings import Feel
-from paint3d.pose.mouse_settings import MouseSettings, parse_axes
+from paint3d.pose.mouse_settings import (
+    ACTIONS,
+    DEFAULT_ACTIONS,
+    MouseSettings,
+    checked_actions,
+    find_actions,
+    parse_axes,
+)
 from paint3d.pose.steering import (
     ObjectPose,
     SteeringOptions,

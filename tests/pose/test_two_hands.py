@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 from paint3d.core.quaternion import rotate
+from paint3d.device.report_timing import ReportClock, stamp
 from paint3d.device.sample import StylusReading
-from paint3d.device.stylus import ReportClock, stamp
 from paint3d.errors import DeviceError
 from paint3d.pose.brush_pose import object_poses
 from paint3d.pose.calibration import (

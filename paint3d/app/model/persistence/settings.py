@@ -21,14 +21,13 @@ from paint3d.core.own_folders import (
     make_private_folder,
     usual_config_folder,
 )
-from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError, ExportError, InputError, Message, Paint3DError
 from paint3d.files.contents import json_text
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import check_stylus
 from paint3d.pose.calibration import DeviceCalibration, load_calibration, save_calibration
-from paint3d.pose.mouse_settings import MouseSettings
+from paint3d.pose.mouse_settings import DEFAULT_ACTIONS, MouseSettings, checked_actions
 
 __all__ = [
     "Settings",
