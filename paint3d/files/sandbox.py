@@ -112,7 +112,7 @@ def read_apart(
     finally:
         os.close(descriptor)
     if "error" in facts:
-        raise MeshError(Message.from_words(facts["error"]), hint=facts["hint"])
+        raise MeshError(Message.from_json(facts["error"]), hint=facts["hint"])
     return arrays, facts
 
 
@@ -291,7 +291,7 @@ def main() -> None:
     try:
         arrays, facts = read(path, request["wanted"])
     except InputError as cause:
-        send(descriptor, {}, {"error": cause.message.to_words(), "hint": cause.hint})
+        send(descriptor, {}, {"error": cause.message.to_json(), "hint": cause.hint})
         return
     send(descriptor, arrays, {**facts, "is_confined": is_confined})
 
