@@ -28,7 +28,7 @@ from paint3d.device.hid_nodes import HidNode, list_nodes
 from paint3d.device.hot_plug import PluggedDevices
 from paint3d.device.sample import StylusReading
 from paint3d.errors import DeviceError, Paint3DError
-from paint3d.haptics.stylus_choice import FoundStylus, find_stylus, key_of_node
+from paint3d.haptics.stylus_choice import DetectedStylus, find_stylus, key_of_node
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.mouse_settings import MouseSettings
 
@@ -89,9 +89,9 @@ class OpenedDevices(PluggedDevices):
         settings, problem = load_settings()
         if problem is not None:
             sys.stderr.write(f"{problem}\n")
-        self.mouse = MouseSettings.from_words(settings.mouse)
+        self.mouse = MouseSettings.from_dict(settings.mouse)
         self.reader: PortReader | None = None
-        self._other: FoundStylus | None = None  # reached by a library or a service
+        self._other: DetectedStylus | None = None  # reached by a library or a service
         kinds = _OPENED_KINDS.get(stylus, ("mouse",))
         if stylus == "hid":
             find_stylus("hid")
@@ -267,7 +267,7 @@ def _touch_all(devices: OpenedDevices, touches: Touches, names: list[str]) -> No
             )
         time.sleep(_TAKE_S)
         try:
-            touches.hear(devices.take_stylus())
+            touches.add(devices.take_stylus())
             if typed and select.select([sys.stdin], [], [], 0.0)[0]:
                 typed = bool(sys.stdin.readline())
                 if typed:
@@ -422,20 +422,20 @@ def set_devices(options: argparse.Namespace) -> None:
             settings, mouse={}, feel={}, stylus="auto", buttons=dict(DEFAULT_ACTIONS)
         )
     mouse = dataclasses.replace(
-        MouseSettings.from_words(settings.mouse), **_chosen(options, MouseSettings)
+        MouseSettings.from_dict(settings.mouse), **_chosen(options, MouseSettings)
     )
-    feel = dataclasses.replace(Feel.from_words(settings.feel), **_chosen(options, Feel))
+    feel = dataclasses.replace(Feel.from_dict(settings.feel), **_chosen(options, Feel))
     buttons = {**settings.buttons, **dict(options.buttons or ())}
     settings = dataclasses.replace(
         settings,
-        mouse=mouse.as_words(),
-        feel=feel.as_words(),
+        mouse=mouse.as_dict(),
+        feel=feel.as_dict(),
         buttons={number: action for number, action in buttons.items() if action},
         stylus=options.stylus or settings.stylus,
     )
     if settings != before:
         save_settings(settings)
-    _show(mouse.as_words(), settings.buttons, {"stylus": settings.stylus, **feel.as_words()})
+    _show(mouse.as_dict(), settings.buttons, {"stylus": settings.stylus, **feel.as_dict()})
 
 
 def _chosen(options: argparse.Namespace, kind: type) -> dict[str, Any]:

@@ -214,7 +214,7 @@ def lift_off(recording: Recording, surface: ClosestPoints) -> Recording:
     pressed = np.ones(len(recording), np.bool_)
     if recording.pressure is not None and recording.pressure.any():
         pressed = recording.pressure > 0.0
-    feet = surface.find(path.way).points
+    feet = surface.find(path.points).points
     middle = feet[pressed].mean(axis=0)
     frame = frame_at(surface, middle, upwards(surface.find(middle[None]).normals[0]))
     half = _ROOM * float(np.linalg.norm(feet[pressed] - frame.origin, axis=1).max()) + 1.0

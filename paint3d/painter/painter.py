@@ -985,6 +985,6 @@ def _samples(
         on_surface=path.has_contact,
     )
     origins = np.empty(n, np.int64)
-    way = np.ascontiguousarray(path.way)
+    way = np.ascontiguousarray(path.points)
     prepare_samples(time_ns, origin_ns, path.orientation, way, samples, origins)
     return samples, origins

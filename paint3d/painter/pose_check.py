@@ -86,7 +86,7 @@ def doubts_of(recording: Recording, surface: ClosestPoints, length_mm: float) ->
         chosen = pressed[:: 1 + len(pressed) // _MOST]
     if not len(chosen):
         return Doubts(None)
-    places = path.way[chosen]
+    places = path.points[chosen]
     found = surface.find(places)
     off = places - found.points
     height = dots_of(off, found.normals)

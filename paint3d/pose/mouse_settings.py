@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
+from paint3d.core.array_state import known_fields
 from paint3d.core.arrays import as_number
 from paint3d.device.six_dof import AXES
 from paint3d.device.space_mouse import DeflectionSettings
@@ -115,7 +116,7 @@ class MouseSettings:
         object.__setattr__(self, "axes", parse_axes(",".join(map(str, self.axes))))
 
     @classmethod
-    def from_words(cls, words: Mapping[str, Any]) -> MouseSettings:
+    def from_dict(cls, stored: Mapping[str, Any]) -> MouseSettings:
         """Read the settings from a file's entries; unknown ones are ignored.
 
         Raises
@@ -123,10 +124,9 @@ class MouseSettings:
         DeviceError
             See the class.
         """
-        known = {own.name for own in dataclasses.fields(cls)}
-        return cls(**{name: value for name, value in words.items() if name in known})
+        return cls(**known_fields(cls, stored))
 
-    def as_words(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """Return all settings, ready for a file."""
         return {**dataclasses.asdict(self), "axes": list(self.axes)}
 

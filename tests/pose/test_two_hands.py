@@ -165,7 +165,7 @@ def test_a_calibration_is_written_and_read(tmp_path) -> None:
         file.write_text(damage)
         with pytest.raises(DeviceError, match="touch"):
             load_calibration(file)
-    with pytest.raises(DeviceError, match="cannot be written"):
+    with pytest.raises(DeviceError, match="cannot write"):
         save_calibration(wanted, tmp_path / "no" / "touch.json")
 
 

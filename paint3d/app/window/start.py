@@ -75,7 +75,7 @@ def run_studio(
         settings = replace(settings, stylus=check_stylus(stylus))
     choose_language(language or settings.language)
     _translate_qt(app)
-    plugged = plug_in_mice(MouseSettings.from_words(settings.mouse))
+    plugged = plug_in_mice(MouseSettings.from_dict(settings.mouse))
     window = StudioWindow(app, settings, plugged=plugged, feel=start_feeling)
     if problem is not None:
         window.workspace.tell(say(problem), state="bad", stays=True)

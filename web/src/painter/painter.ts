@@ -356,10 +356,10 @@ export class Painter {
     const origins = kernels.zeros("i8", n);
     kernels.call(
       "brush_engine.stroke_loop.prepare_samples",
-      timeNs, this.#originNs, path.orientation, path.way, samples, origins,
+      timeNs, this.#originNs, path.orientation, path.points, samples, origins,
     ); // prettier-ignore
     const since = origins.data.slice();
-    for (const array of [path.orientation, path.way, timeNs, origins]) array.free();
+    for (const array of [path.orientation, path.points, timeNs, origins]) array.free();
     return [samples, since];
   }
 

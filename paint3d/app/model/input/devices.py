@@ -429,7 +429,7 @@ class Feeling:
     ----------
     feedback : Feedback
     name, key : str
-        Of the device: see `FoundStylus`.
+        Of the device: see `DetectedStylus`.
     limits : DeviceLimits
     calibration : DeviceCalibration
         By which its readings come.
@@ -461,7 +461,7 @@ def start_feeling(document: Document, settings: Settings) -> Feeling | None:
     stylus = find_stylus(settings.stylus)
     if stylus is None:
         return None
-    feel, brush = Feel.from_words(settings.feel), document.painter.brush
+    feel, brush = Feel.from_dict(settings.feel), document.painter.brush
     calibration = stored_calibration(stylus.key) or stylus.frame
     surface = document.surface
     felt = feel.settings(brush, stylus.limits, surface.material)

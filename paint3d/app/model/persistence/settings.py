@@ -219,8 +219,8 @@ class Settings:
             _check_words(name, (*words, *words.values()))
         PressureCurve(self.pressure_curve)
         object.__setattr__(self, "buttons", checked_actions(self.buttons))
-        MouseSettings.from_words(self.mouse)
-        Feel.from_words(self.feel)
+        MouseSettings.from_dict(self.mouse)
+        Feel.from_dict(self.feel)
         check_stylus(self.stylus)
 
     @property
@@ -372,7 +372,7 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
 
 
 def _calibration_file(key: str) -> Path:
-    """Path of a device's calibration, by its key (`FoundStylus.key`)."""
+    """Path of a device's calibration, by its key (`DetectedStylus.key`)."""
     return config_folder() / "calibrations" / f"{key}.json"
 
 
