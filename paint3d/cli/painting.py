@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.painter import Painter
-    from paint3d.painter.pose_check import Doubts
+    from paint3d.painter.pose_check import PoseWarnings
     from paint3d.painter.stroke_table import StrokeTable
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
@@ -346,8 +346,8 @@ class _SharingPickler(pickle.Pickler):
 
 def check_poses(
     recording: Recording, surface: PaintedSurface, wished: str | None, name: str
-) -> Doubts:
-    """Refuse poses whose handle points into the object; return other doubts.
+) -> PoseWarnings:
+    """Refuse poses whose handle points into the object; return other warnings.
 
     Raises
     ------
@@ -355,15 +355,15 @@ def check_poses(
         If it does in most samples near the surface; it says what to do, which is another thing
         where it was recorded on another object.
     """
-    from paint3d.painter.pose_check import doubts_of, rooted
+    from paint3d.painter.pose_check import fit_to_tuft, inspect_poses
 
     length_mm = _brush(recording, wished).length_mm
-    doubts = doubts_of(rooted(recording, length_mm), surface.closest_points, length_mm)
-    if doubts.handle is None:
-        return doubts
+    warnings = inspect_poses(fit_to_tuft(recording, length_mm), surface.closest_points, length_mm)
+    if warnings.handle is None:
+        return warnings
     made_on, object_ = recording.header.get("object"), surface.source.name
     if not isinstance(made_on, str) or made_on == object_:
-        raise RecordingError("{name}: {handle}", name=name, handle=doubts.handle)
+        raise RecordingError("{name}: {handle}", name=name, handle=warnings.handle)
     raise RecordingError(
         "{name}: it was recorded on {made_on}, and at the same positions the handle would point "
         "into {object}; expected --at U,V, which lays its strokes on {object}",
@@ -576,13 +576,13 @@ def paint_onto(
 
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.ink_time import PIECE_NS, PIECE_S
-    from paint3d.painter.pose_check import rooted
-    from paint3d.painter.recorded_tools import eraser_runs, recorded_amount, told_at
+    from paint3d.painter.pose_check import fit_to_tuft
+    from paint3d.painter.recorded_tools import changes_at, eraser_runs, recorded_amount
 
     if isinstance(recording, LaidPad):
         recording = recording.whole()
     brush, ink = _brush(recording, wanted.brush), _ink(recording, wanted.ink)
-    recording = rooted(recording, brush.length_mm)
+    recording = fit_to_tuft(recording, brush.length_mm)
     tip, reach = _tip(recording, wanted)
     document.set_azimuth(recording.header["azimuth"])
     document.set_brush(_with_hairs(brush, wanted.hairs))
@@ -593,7 +593,7 @@ def paint_onto(
     document.refresh()  # what changes from here on is what the recording paints
     before = Before.of(document)
     n, time_ns, is_wet = len(recording), recording.time_ns, wanted.spread is not None
-    loads, strengths = told_at(recording.header, time_ns)
+    loads, strengths = changes_at(recording.header, time_ns)
     if is_wet or watch is not None:  # time passes between these
         step_ns = PIECE_NS if is_wet else round(1e9 * watch.step_s)  # type: ignore[union-attr]
         ends = np.flatnonzero(np.diff(time_ns // step_ns)) + 1

@@ -72,9 +72,9 @@ class HairTuft:
 
     def held(self) -> AnyArray:
         """Sum the ink of all hairs (P,)."""
-        held = np.empty(self.load.shape[1])
-        sum_hairs(self.load, held)  # the kernels' order of summation, to the bit
-        return held
+        total = np.empty(self.load.shape[1])
+        sum_hairs(self.load, total)  # the kernels' order of summation, to the bit
+        return total
 
     def hold(self, load: AnyArray) -> None:
         """Rescale the hairs' ink to the total `load` (P,), each keeping its fraction of it."""

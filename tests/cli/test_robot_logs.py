@@ -75,9 +75,9 @@ def test_a_ferrule_at_the_surface_asks_whether_it_is_the_tip(capsys) -> None:
     file = log(f"x_mm,y_mm,z_mm,{POSE},fz")
     status, said = painted(capsys, file)
     assert status == 0
-    assert said.count("is it the tip that is logged?") == 1
+    assert said.count("if the tip was logged") == 1
     assert main(["replay", file, "--on", "a.p3d", "--out", "b.p3d"]) == 0  # by steps
-    assert capsys.readouterr().err.count("is it the tip that is logged?") == 1
+    assert capsys.readouterr().err.count("if the tip was logged") == 1
     status, said = painted(capsys, log(f"x_mm,y_mm,z_mm,{POSE},fz", height=32.0))
     assert (status, said) == (0, "")
 
