@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.bench.kernels.standing_bristles import bend_often, deposit_hairs_often, deposit_often
-from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
 from paint3d.bench.stopwatch import alternate
-from paint3d.bench.strokes import first_samples, make_dab, record_dabs
+from paint3d.bench.strokes import make_dab, record_dabs, refined_surface
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.bristles import build_bristles
 from paint3d.brush.presets import load_brush
@@ -129,7 +128,7 @@ def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
     """
     surface, hairs = painter.surface, painter.hairs
     painter.dip()
-    painter.replay(first_samples(recording, len(recording) - 1))
+    painter.replay(recording.part(0, len(recording) - 1))
     before = make_stamp()
     for kept, last in zip(before, painter.stamp, strict=True):
         kept[:] = last

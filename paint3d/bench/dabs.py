@@ -11,23 +11,25 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paint3d.bench.live import LiveTimes, frames_of, play, play_live
 from paint3d.bench.result import Check, Result
 from paint3d.bench.strokes import (
     Dab,
+    LiveTimes,
     figure_for,
-    first_samples,
+    frames_of,
     make_dab,
     make_grid,
+    play,
+    play_live,
     record_dabs,
 )
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["DabTimes", "measure", "time_dabs"]
+__all__ = ["measure", "measure_scaling", "time_dabs"]
 
-_DABS = 1020
+_DABS = 1020  # at a million vertices
 _SHORT = 2  # dabs of the stroke that tells the cost of pen-down
 _ROUNDS = 5
 _COVERS = (2_000, 20_000)
@@ -69,7 +71,7 @@ def time_dabs(surface: PaintedSurface, dab: Dab, recording: Recording, rounds: i
     painter = Painter(surface, brush=dab.brush)
     n = len(recording)
     short = _SHORT
-    strokes = {n: recording, short: first_samples(recording, short)}
+    strokes = {n: recording, short: recording.part(0, short)}
     for stroke in strokes.values():
         play(painter, stroke)  # compiles, and brings the first pages in
     before = painter.report()
@@ -130,3 +132,53 @@ def measure(share: float = 1.0) -> Result:
         checks,
         ["tests/benchmarks/peer_dabs.py runs the same dabs beside another program."],
     )  # fmt: skip
+
+
+# ---- On larger and larger objects ----------------------------------------------------------------
+
+_SIZES = (100_000, 1_000_000, 4_000_000)
+_COVER = 2_000
+_SIZE_ROUNDS = 7
+_MOST_RATIO = 1.3
+
+
+def measure_scaling(share: float = 1.0) -> Result:
+    """Cost of a footprint on grids of 100 thousand, 1 million and 4 million vertices, by turns.
+
+    It covers the same number of vertices along the same figure at the same steps: only the object
+    grows.
+    """
+    dab = make_dab()
+    under = max(12, int(_COVER * share))
+    spacing = (dab.footprint.area / under) ** 0.5
+    painters, strokes = [], []
+    for size in _SIZES:
+        mesh = make_grid(max(400, int(size * share)), spacing)
+        n_dabs = max(20, int(_DABS * (size * share / 1e6) ** 0.5))
+        painters.append(Painter(PaintedSurface(mesh, resolution=None), brush=dab.brush))
+        strokes.append(record_dabs(dab, figure_for(mesh, dab.radius, n_dabs)))
+    best: dict[int, LiveTimes] = {}
+    for _ in range(_SIZE_ROUNDS + 1):
+        for i, (painter, stroke) in enumerate(zip(painters, strokes, strict=True)):
+            found = play(painter, stroke)
+            best[i] = found.best(best[i]) if i in best else found
+    rows = []
+    for painter, found in zip(painters, best.values(), strict=True):
+        counts = painter.report()
+        each = counts["footprints"] / (_SIZE_ROUNDS + 1)
+        rows.append(
+            [painter.surface.n_vertices, each, counts["vertices_visited"] / counts["footprints"],
+             1e6 * found.whole.wall_s / each, 1e6 * found.whole.cpu_s / each]
+        )  # fmt: skip
+    for row in rows:
+        row.append(row[4] / rows[0][4])
+    names = [f"{row[0]:,}" for row in rows]
+    return Result(
+        "Cost of a footprint as the object grows",
+        ["vertices", "footprints", "visited/footprint", "us", "CPU us", "CPU ratio"],
+        rows,
+        [
+            Check(f"cost at {names[i]} over {names[0]} vertices", rows[i][5], _MOST_RATIO)
+            for i in range(1, len(rows))
+        ],
+    )

@@ -7,21 +7,25 @@ from collections.abc import Callable
 from functools import partial
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
-from paint3d.bench.plain import PlainSurface
+from paint3d.bench.kernels.standing import deposit_standing, place_standing
 from paint3d.bench.result import Cell, Check, Result
-from paint3d.bench.standing import StandingStamps
 from paint3d.bench.stopwatch import alternate, best_of
 from paint3d.bench.strokes import Dab, figure_for, make_dab, make_grid, record_dabs
 from paint3d.brush.bending import build_tuft
+from paint3d.brush.footprint import Footprint
+from paint3d.brush_engine.footprint import Stamp, make_stamp
 from paint3d.brush_engine.ink_transfer import PAINTED
+from paint3d.brush_engine.scratch import make_scratch
 from paint3d.brush_engine.tuft import enclose_tuft
 from paint3d.brush_engine.vertex_query import VISITED
 from paint3d.core.arrays import AnyArray
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["copy_bandwidth", "measure"]
+__all__ = ["PlainSurface", "measure"]
 
 _VERTICES = 1_000_000
 _VISITED = 6_000  # vertices in NumPy's ball
@@ -145,3 +149,121 @@ def measure(share: float = 1.0) -> Result:
             f"{100.0 * speed / copying:.1f} % of a plain copy's {copying / 1e9:.1f} GB/s.",
         ],
     )
+
+
+# ---- The competitor in NumPy ---------------------------------------------------------------------
+
+_LEAST_FACING = 0.25
+
+
+class PlainSurface:
+    """The same step as one would write it with SciPy and NumPy: vertices in a k-d tree, and ink.
+
+    It follows Guo 2017, section 4.2.1: vertices inside a ball, their mean normal, each projected to
+    the plane along its own normal, painted where it falls inside the outline. One stamp a dab and
+    no sweep, no check of connectedness, no contact search: it does less than ours.
+
+    Parameters
+    ----------
+    surface : PaintedSurface
+        Only read; its vertices as they are now.
+    """
+
+    def __init__(self, surface: PaintedSurface) -> None:
+        self.points = surface.paint_mesh.vertices
+        self.normals = surface.paint_mesh.normals
+        self.areas = surface.vertex_areas.astype(np.float32)
+        self.edge = np.float32(np.sqrt(self.areas.mean()))
+        self.tree = cKDTree(self.points)
+        self.amounts = np.zeros(len(self.points), np.float32)
+        self.coverage = np.zeros(len(self.points), np.float32)
+        self.dirty = np.zeros(len(self.points), bool)
+
+    def stamp(
+        self,
+        foot: NDArray[np.float64],
+        along: NDArray[np.float64],
+        footprint: Footprint,
+        ball: tuple[AnyArray, float],
+        released: float,
+    ) -> int:
+        """Leave ink under a footprint; return how many vertices lay in the ball.
+
+        Parameters
+        ----------
+        foot, along : (3,) float64
+            P'_m and the direction of the bend.
+        footprint : Footprint
+        ball : (centre (3,), radius)
+            Where to look for vertices, mm.
+        released : float
+            Ink, coats x mm2.
+        """
+        ids = np.asarray(self.tree.query_ball_point(*ball), dtype=np.intp)
+        offsets, normals = self.points[ids] - foot.astype(np.float32), self.normals[ids]
+        up = normals.mean(axis=0)
+        up /= np.linalg.norm(up)
+        cosines = normals @ up
+        steps = -(offsets @ up) / np.maximum(cosines, _LEAST_FACING)
+        carried = offsets + steps[:, None] * normals
+        bend = along - (along @ up) * up
+        bend = (bend / np.linalg.norm(bend)).astype(np.float32)
+        x, y = carried @ bend, carried @ np.cross(up, bend)
+        reach, half_width = footprint.reach[::-1], footprint.half_width[::-1]
+        width = np.interp(x, reach, half_width, left=-np.inf, right=-np.inf)
+        cover = np.clip(0.5 + (width - np.abs(y)) / self.edge, 0.0, 1.0)
+        cover[cosines < _LEAST_FACING] = 0.0
+        inside = np.flatnonzero(cover)
+        ids, cover = ids[inside], cover[inside].astype(np.float32)
+        share = cover / cosines[inside] ** 2
+        weighed = float(share @ self.areas[ids])
+        self.amounts[ids] += share * (released / weighed)
+        self.coverage[ids] = np.maximum(self.coverage[ids], cover)
+        self.dirty[ids] = True
+        return len(offsets)
+
+
+# ---- Stamps without a stroke ---------------------------------------------------------------------
+
+
+class StandingStamps:
+    """Stamps placed once on a surface; calling it leaves all of them there, one by one.
+
+    Each time the patch of surface inside the enclosing sphere is found, its mean normal taken, the
+    vertices under the outline gathered, projected along their own normals, weighed, and inked.
+
+    Parameters
+    ----------
+    painter : Painter
+        Its surface must need no refinement.
+    poses : (D, 9) float64
+        Position, quaternion wxyz, pressure, 0.
+    """
+
+    def __init__(self, painter: Painter, poses: NDArray[np.float64]) -> None:
+        surface = painter.surface
+        n = len(poses)
+        self._painter = painter
+        self._scratch = make_scratch(surface.paint_mesh, len(surface.pigments))
+        self._before, self._after = make_stamp(), make_stamp()
+        rows = [np.zeros((n, *array.shape), array.dtype) for array in make_stamp()]
+        self._stamps = Stamp(*rows)
+        self.counters = self._scratch.counters
+        field = surface.paint_mesh.arrays
+        place_standing(
+            poses,
+            painter.tuft,
+            surface.contact_tree,
+            field,
+            self._scratch,
+            self._after,
+            self._stamps,
+        )
+
+    def __call__(self) -> None:
+        """Leave every stamp once."""
+        surface = self._painter.surface
+        deposit_standing(
+            self._stamps, self._painter.tuft, surface.paint_mesh.arrays, surface.ink, self._scratch,
+            self._before, self._after,
+        )  # fmt: skip

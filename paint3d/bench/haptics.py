@@ -15,8 +15,8 @@ from multiprocessing.synchronize import Event
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
+from paint3d.bench.strokes import refined_surface
 from paint3d.bench.virtual_stylus import Felt, VirtualStylus
 from paint3d.brush.presets import load_brush
 from paint3d.core.arrays import AnyArray

@@ -15,7 +15,7 @@ __all__ = ["BENCHMARKS", "run_benchmark"]
 
 BENCHMARKS: dict[str, tuple[str, str]] = {
     "replay": ("replaying.measure", "the demo on a bowl of a million vertices, against the hand"),
-    "scaling": ("scaling.measure", "a footprint's cost at 100 thousand to 4 million vertices"),
+    "scaling": ("dabs.measure_scaling", "a footprint's cost at 100 thousand to 4 million vertices"),
     "dab": ("dabs.measure", "a whole dab over 2,000 and 20,000 vertices, and pen-down"),
     "kernel": ("gathering.measure", "gather, project, deposit against SciPy and NumPy"),
     "memory": ("processes.measure_memory", "memory of a painting on 4 million vertices"),
