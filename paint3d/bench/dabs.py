@@ -1,4 +1,4 @@
-"""One dab of a brush on a mesh that is as fine as the colours want it.
+"""A dab of a brush on a mesh that is as fine as the colours want it, and on larger and larger ones.
 
 A dab is everything: contact, plane, outline, projection, ink, and the colours brought up to date
 30 times a second of the stroke's own time. What pen-down costs is the time of a stroke of two dabs
@@ -67,7 +67,7 @@ class DabTimes:
 
 
 def time_dabs(surface: PaintedSurface, dab: Dab, recording: Recording, rounds: int) -> DabTimes:
-    """Paint a stroke of one dab a sample some times over; the cost of a dab and of pen-down."""
+    """Paint a stroke of one dab a sample repeatedly; measure a dab and pen-down."""
     painter = Painter(surface, brush=dab.brush)
     n = len(recording)
     short = _SHORT
@@ -100,15 +100,15 @@ def time_dabs(surface: PaintedSurface, dab: Dab, recording: Recording, rounds: i
     )
 
 
-def measure(share: float = 1.0) -> Result:
-    """Dabs over 2,000 and 20,000 of a million vertices, and pen-down at one and four million."""
+def measure(scale: float = 1.0) -> Result:
+    """Measure dabs over 2,000 and 20,000 vertices, and pen-down at one and four million."""
     dab = make_dab()
     rows, checks = [], []
     for n_vertices, covers in ((1_000_000, _COVERS), (4_000_000, _COVERS[:1])):
         for cover in covers:
-            n, under = max(400, int(n_vertices * share)), max(12, int(cover * share))
+            n, under = max(400, int(n_vertices * scale)), max(12, int(cover * scale))
             mesh = make_grid(n, (dab.footprint.area / under) ** 0.5)
-            centres = figure_for(mesh, dab.radius, max(40, int(_DABS * share)))
+            centres = figure_for(mesh, dab.radius, max(40, int(_DABS * scale)))
             surface = PaintedSurface(mesh, resolution=None)
             times = time_dabs(surface, dab, record_dabs(dab, centres), _ROUNDS)
             rows.append(
@@ -142,19 +142,19 @@ _SIZE_ROUNDS = 7
 _MOST_RATIO = 1.3
 
 
-def measure_scaling(share: float = 1.0) -> Result:
-    """Cost of a footprint on grids of 100 thousand, 1 million and 4 million vertices, by turns.
+def measure_scaling(scale: float = 1.0) -> Result:
+    """Measure a footprint on grids of 100 thousand, 1 million and 4 million vertices, by turns.
 
     It covers the same number of vertices along the same figure at the same steps: only the object
     grows.
     """
     dab = make_dab()
-    under = max(12, int(_COVER * share))
+    under = max(12, int(_COVER * scale))
     spacing = (dab.footprint.area / under) ** 0.5
     painters, strokes = [], []
     for size in _SIZES:
-        mesh = make_grid(max(400, int(size * share)), spacing)
-        n_dabs = max(20, int(_DABS * (size * share / 1e6) ** 0.5))
+        mesh = make_grid(max(400, int(size * scale)), spacing)
+        n_dabs = max(20, int(_DABS * (size * scale / 1e6) ** 0.5))
         painters.append(Painter(PaintedSurface(mesh, resolution=None), brush=dab.brush))
         strokes.append(record_dabs(dab, figure_for(mesh, dab.radius, n_dabs)))
     best: dict[int, LiveTimes] = {}

@@ -1,4 +1,4 @@
-"""Gather, project, deposit: the loop under every footprint, against SciPy and memory itself."""
+"""Gather, project, deposit: the loop under every footprint, against SciPy and memory bandwidth."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ _ALONG = np.array([1.0, 0.0, 0.0])
 
 
 def copy_bandwidth(n_numbers: int = _COPIED) -> float:
-    """Bytes read and written a second by the fastest plain copy, one thread."""
+    """Measure the bytes read and written a second by the fastest plain copy, one thread."""
     source = np.ones(n_numbers, np.float32)
     target = np.zeros(n_numbers, np.float32)
     seconds = best_of(_ROUNDS, lambda: np.copyto(target, source)).wall_s
@@ -48,7 +48,7 @@ def copy_bandwidth(n_numbers: int = _COPIED) -> float:
 
 
 def _balls(dab: Dab) -> dict[str, tuple[AnyArray, float]]:
-    """Balls to gather in, relative to the foot point: tight around the footprint, the paper's."""
+    """Compute balls to gather in, relative to the foot: around the footprint, and the paper's."""
     corners = dab.footprint.polygon() - [dab.middle, 0.0]
     tight = float(np.linalg.norm(corners, axis=1).max())
     tuft, descent = build_tuft(dab.brush), dab.pressure * dab.brush.full_press_mm
@@ -60,7 +60,7 @@ def _balls(dab: Dab) -> dict[str, tuple[AnyArray, float]]:
 
 
 class _Ours:
-    """Paints a whole stroke at once, without colours; a dab includes contact and placement."""
+    """The stroke painted at once, without colours; a dab includes contact and placement."""
 
     def __init__(self, dab: Dab, n_vertices: int, under: float, n_dabs: int) -> None:
         mesh = make_grid(n_vertices, math.sqrt(dab.footprint.area / under))
@@ -70,7 +70,7 @@ class _Ours:
         self.recording = record_dabs(dab, self.centres)
 
     def standing(self) -> StandingStamps:
-        """The same dabs as stamps that stand alone."""
+        """Make the same dabs as stamps that stand alone."""
         recording = self.recording
         assert recording.pressure is not None, "dabs press"
         poses = np.column_stack(
@@ -88,20 +88,20 @@ class _Ours:
         self.painter.replay(self.recording)
 
     def per_footprint(self) -> tuple[float, float]:
-        """Vertices visited and painted."""
+        """Return the vertices visited and painted, a footprint."""
         counts = self.painter.report()
         n = counts["footprints"]
         return counts["vertices_visited"] / n, counts["deposits"] / n
 
 
-def measure(share: float = 1.0) -> Result:
+def measure(scale: float = 1.0) -> Result:
     """Time a step that looks at about 6,000 vertices, ours and NumPy's taking turns."""
     dab = make_dab()
     balls = _balls(dab)
     tight = next(iter(balls.values()))[1]
-    n_dabs = max(40, int(_DABS * share))
-    under = max(40, _VISITED * share) * dab.footprint.area / (math.pi * tight**2)
-    ours = _Ours(dab, max(900, int(_VERTICES * share)), under, n_dabs)
+    n_dabs = max(40, int(_DABS * scale))
+    under = max(40, _VISITED * scale) * dab.footprint.area / (math.pi * tight**2)
+    ours = _Ours(dab, max(900, int(_VERTICES * scale)), under, n_dabs)
     ours()
     visited, painted = ours.per_footprint()
     standing = ours.standing()
@@ -135,7 +135,7 @@ def measure(share: float = 1.0) -> Result:
     ]
     moved = alone[0] * _BYTES_VISITED + alone[1] * _BYTES_PAINTED
     speed = moved / (1e-6 * each["paint3d"])
-    copying = copy_bandwidth(max(1 << 16, int(_COPIED * share)))
+    copying = copy_bandwidth(max(1 << 16, int(_COPIED * scale)))
     return Result(
         f"Gather, project, deposit on {ours.surface.n_vertices:,} vertices",
         ["program", "visited", "CPU us/step", "CPU ns/visited", "x paint3d"],
@@ -187,7 +187,7 @@ class PlainSurface:
         ball: tuple[AnyArray, float],
         released: float,
     ) -> int:
-        """Leave ink under a footprint; return how many vertices lay in the ball.
+        """Deposit ink under a footprint; return how many vertices lay in the ball.
 
         Parameters
         ----------
@@ -215,9 +215,9 @@ class PlainSurface:
         cover[cosines < _LEAST_FACING] = 0.0
         inside = np.flatnonzero(cover)
         ids, cover = ids[inside], cover[inside].astype(np.float32)
-        share = cover / cosines[inside] ** 2
-        weighed = float(share @ self.areas[ids])
-        self.amounts[ids] += share * (released / weighed)
+        weights = cover / cosines[inside] ** 2
+        total = float(weights @ self.areas[ids])
+        self.amounts[ids] += weights * (released / total)
         self.coverage[ids] = np.maximum(self.coverage[ids], cover)
         self.dirty[ids] = True
         return len(offsets)
@@ -227,7 +227,7 @@ class PlainSurface:
 
 
 class StandingStamps:
-    """Stamps placed once on a surface; calling it leaves all of them there, one by one.
+    """Stamps placed once on a surface; calling it deposits all of them, one by one.
 
     Each time the patch of surface inside the enclosing sphere is found, its mean normal taken, the
     vertices under the outline gathered, projected along their own normals, weighed, and inked.
@@ -261,7 +261,7 @@ class StandingStamps:
         )
 
     def __call__(self) -> None:
-        """Leave every stamp once."""
+        """Deposit every stamp once."""
         surface = self._painter.surface
         deposit_standing(
             self._stamps, self._painter.tuft, surface.paint_mesh.arrays, surface.ink, self._scratch,

@@ -8,7 +8,7 @@ from dataclasses import replace
 from importlib import import_module
 
 from paint3d.bench.result import Result
-from paint3d.bench.stopwatch import load_average, taken_share
+from paint3d.bench.stopwatch import load_average, watch_steal
 from paint3d.errors import InputError, UnknownNameError
 
 __all__ = ["BENCHMARKS", "run_benchmark"]
@@ -31,14 +31,14 @@ BENCHMARKS: dict[str, tuple[str, str]] = {
 """Name: (where its function is, what it measures)."""
 
 
-def run_benchmark(name: str, share: float = 1.0) -> Result:
+def run_benchmark(name: str, scale: float = 1.0) -> Result:
     """Run one benchmark.
 
     Parameters
     ----------
     name : str
         A key of `BENCHMARKS`.
-    share : float
+    scale : float
         Of the full size, above 0 and at most 1; bounds are meant for the full size.
 
     Raises
@@ -46,19 +46,19 @@ def run_benchmark(name: str, share: float = 1.0) -> Result:
     UnknownNameError
         For a name that is not a benchmark's.
     InputError
-        For a share out of range.
+        For a scale out of range.
     Paint3DError
         If a process that a benchmark starts fails.
     """
     if name not in BENCHMARKS:
         raise UnknownNameError("benchmark", name, BENCHMARKS)
-    if not 0.0 < share <= 1.0:
-        raise InputError("share is {share:g}; expected above 0, and at most 1", share=share)
+    if not 0.0 < scale <= 1.0:
+        raise InputError("scale is {scale:g}; expected above 0, and at most 1", scale=scale)
     module, function = BENCHMARKS[name][0].split(".")
     measure: Callable[[float], Result] = getattr(import_module(f"paint3d.bench.{module}"), function)
-    before, taken = load_average(), taken_share()
-    result = measure(share)
+    before, steal = load_average(), watch_steal()
+    result = measure(scale)
     load = f"Load average {before} before, {load_average()} after, on {os.cpu_count()} cores"
-    lost = taken()
+    lost = steal()
     load += "." if lost is None else f", of which the host gave {100.0 * lost:.0f} % to others."
     return replace(result, notes=[*result.notes, load])

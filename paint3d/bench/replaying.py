@@ -22,20 +22,20 @@ _LEAST_TIMES_FASTER = 10.0
 
 
 def _pen_down_s(recording: Recording) -> float:
-    """Time with the brush on the object, s."""
+    """Sum the time with the brush on the object, s."""
     if recording.pressure is None:
         return recording.duration_s
     steps = np.diff(recording.time_ns) * 1e-9
     return float(steps[recording.pressure[1:] > 0.0].sum())
 
 
-def measure(share: float = 1.0) -> Result:
+def measure(scale: float = 1.0) -> Result:
     """Replay the demo live and in one go, and compare with the time the hand took."""
     from paint3d.files.load import load_mesh
 
     whole = load_recording(str(files("paint3d.calligraphy") / "data" / "demo.jsonl.gz"))
-    recording = whole.part(0, max(_FEWEST_SAMPLES, int(len(whole) * share)))
-    surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * share)))
+    recording = whole.part(0, max(_FEWEST_SAMPLES, int(len(whole) * scale)))
+    surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * scale)))
     painter = Painter(surface, brush=recording.header["brush"], ink=recording.header["ink"])
     play(painter, recording)
     counted = painter.report()["footprints"]

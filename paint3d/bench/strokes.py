@@ -58,7 +58,7 @@ class Dab:
 
     @property
     def radius(self) -> float:
-        """Of the disc of the same area, mm."""
+        """Radius of the disc of the same area, mm."""
         return math.sqrt(self.footprint.area / math.pi)
 
     @property
@@ -68,12 +68,12 @@ class Dab:
 
     @property
     def root_height(self) -> float:
-        """Of the tuft's root over the plane, mm."""
+        """Height of the tuft's root over the plane, mm."""
         return self.brush.length_mm - self.pressure * self.brush.full_press_mm
 
 
 def make_dab(brush: str = "full", pressure: float = 1.0) -> Dab:
-    """The dab of a brush as it ships, on porcelain, which surfaces are of where nothing is said.
+    """Make the dab of a brush as it ships, on porcelain, the default material of surfaces.
 
     Raises
     ------
@@ -87,7 +87,7 @@ def make_dab(brush: str = "full", pressure: float = 1.0) -> Dab:
 
 
 def make_grid(n_vertices: int, spacing: float) -> TriangleMesh:
-    """A square of about so many vertices in z = 0, centred on the origin, facing +z.
+    """Make a square of about so many vertices in z = 0, centred on the origin, facing +z.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def make_grid(n_vertices: int, spacing: float) -> TriangleMesh:
 
 
 def refined_surface(mesh: TriangleMesh, n_vertices: int) -> PaintedSurface:
-    """A surface refined all over to at least so many vertices.
+    """Make a surface that is refined all over to at least so many vertices.
 
     Not many more on an uneven mesh; on an even one all triangles are halved together.
     """
@@ -129,19 +129,19 @@ def refined_surface(mesh: TriangleMesh, n_vertices: int) -> PaintedSurface:
 
 
 def lissajous(n_dabs: int, half_width: float) -> AnyArray:
-    """Dab centres (N, 2) on the 3 to 2 figure that reaches `half_width` (mm) from the middle."""
+    """Compute dab centres (N, 2) on the 3 to 2 figure of half width `half_width`, mm."""
     turn = np.linspace(0.0, 2.0 * math.pi, n_dabs, endpoint=False)
     return half_width * np.stack([np.sin(3.0 * turn + 0.3), np.sin(2.0 * turn)], axis=1)
 
 
 def figure_for(mesh: TriangleMesh, radius: float, n_dabs: int) -> AnyArray:
-    """Dab centres (N, 3), mm, all over a square in the xy plane that is centred on the origin."""
+    """Compute dab centres (N, 3), mm, all over a square in the xy plane centred on the origin."""
     half_width = float(mesh.bounds[1, 0]) - _MARGIN * radius
     return np.column_stack([lissajous(n_dabs, half_width), np.zeros(n_dabs)])
 
 
 def record_dabs(dab: Dab, centres: ArrayLike, normal: ArrayLike = (0.0, 0.0, 1.0)) -> Recording:
-    """One stroke with one sample a dab, `DAB_S` apart.
+    """Record one stroke with one sample a dab, `DAB_S` apart.
 
     Parameters
     ----------
@@ -180,12 +180,12 @@ class LiveTimes:
     colour_s: float
 
     def best(self, other: LiveTimes) -> LiveTimes:
-        """The smaller of each."""
+        """Return the smaller of each."""
         return LiveTimes(self.whole.best(other.whole), min(self.colour_s, other.colour_s))
 
 
 def frames_of(recording: Recording) -> list[list[DeviceSample]]:
-    """The samples as a live device gives them, frame by frame of the stroke's own time."""
+    """Divide the samples by frames of the stroke's own time, as a live device gives them."""
     seconds = (recording.time_ns - recording.time_ns[0]) * 1e-9
     frame = np.floor(seconds * FRAME_HZ).astype(np.int64)
     frames: list[list[DeviceSample]] = [[] for _ in range(int(frame[-1]) + 1)]
@@ -200,7 +200,7 @@ def play(painter: Painter, recording: Recording) -> LiveTimes:
 
 
 def play_live(painter: Painter, frames: list[list[DeviceSample]]) -> LiveTimes:
-    """Paint frames of samples as fast as it goes, colours included."""
+    """Paint frames of samples as fast as possible, colours included."""
 
     def paint() -> None:
         for samples in frames:
