@@ -154,7 +154,7 @@ def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
 
 
 def measure(scale: float = 1.0) -> Result:
-    """Measure an imprint's CPU time: 1 to 10,000 hairs on a plane and a patch, 1,000 in the bowl."""
+    """Measure an imprint: 1 to 10,000 hairs on a plane and on a patch, 1,000 in the bowl."""
     rounds = max(2, int(_ROUNDS * scale))
     rows, checks = [], []
     for n in _COUNTS:

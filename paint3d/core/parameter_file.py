@@ -1,4 +1,4 @@
-"""Files of named parameters in TOML or JSON: users' own brushes and materials."""
+"""Files of named parameters in TOML or JSON, as for users' own brushes and materials."""
 
 from __future__ import annotations
 
