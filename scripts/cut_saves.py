@@ -39,7 +39,7 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 def make_session(coats: float) -> Session:
-    """A small session with wet and dry paint, and a recording."""
+    """Make a small session with wet and dry paint, and a recording."""
     surface = PaintedSurface(make_plane(), resolution=None)
     column = surface.column_of(load_pigment("pine soot"))
     for k in (3, 5):
@@ -91,7 +91,7 @@ def run_until_call(action: Callable[[], object], n: int) -> bool:
 
 
 def traces() -> bool:
-    """Whether children can be traced here."""
+    """Return whether children can be traced here."""
     try:
         return run_until_call(lambda: None, 1000)
     except (RuntimeError, OSError):

@@ -40,7 +40,7 @@ TEXT = "永和"
 
 
 class Case(NamedTuple):
-    """A command: its words, and what it writes, in the folder in which it is run."""
+    """A command: its arguments, and the files that it writes in its folder."""
 
     words: tuple[str, ...]
     files: tuple[str, ...]
@@ -94,7 +94,7 @@ COMMANDS = {
 
 
 class Left(NamedTuple):
-    """What one command that was ended has left behind that it should not have."""
+    """Something that a terminated command left behind."""
 
     command: str
     signal: signal.Signals
@@ -110,7 +110,7 @@ def _environment(folder: Path) -> dict[str, str]:
 
 
 def _hear_all() -> None:
-    """Also where this script itself was started behind, or by nohup: what is ignored stays so."""
+    """Handle signals also if this script runs in the background: ignored ones are inherited."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
@@ -127,7 +127,7 @@ def _run(case: Case, folder: Path) -> subprocess.Popen[str]:
 
 
 def processes_of(folder: Path) -> list[str]:
-    """The command lines of the processes that were started from a folder's commands and live."""
+    """List the command lines of living processes started from a folder's commands."""
     found = []
     for place in Path("/proc").iterdir():
         if place.name.isdigit():
@@ -141,7 +141,7 @@ def processes_of(folder: Path) -> list[str]:
 
 
 def leftovers(folder: Path) -> list[str]:
-    """Temporary files beside results and among the system's."""
+    """List temporary files beside results and in the temporary folder."""
     found = [*folder.iterdir(), *folder.glob("demo/*")]
     beside = [str(entry.relative_to(folder)) for entry in found if entry.name.startswith(".")]
     return sorted(beside + [f"tmp/{entry.name}" for entry in (folder / "tmp").iterdir()])
@@ -171,7 +171,7 @@ def _wrong(
 
 
 def _told_badly(number: signal.Signals, status: int, told: str) -> bool:
-    """Whether a command that was ended says anything but that, or that it is finished."""
+    """Return whether a terminated command prints anything but that, or that it is finished."""
     if number == signal.SIGKILL or status == -number:  # Python was still loading the program
         return False
     if status == 0:
@@ -206,7 +206,7 @@ def _ended_once(name: str, folder: Path, left: Left, whole: dict[str, int]) -> I
 
 
 def _finished(name: str, folder: Path) -> float:
-    """Run a command to its end; how long it took, s."""
+    """Run a command to its end; return its duration, s."""
     began = time.monotonic()
     running = _run(COMMANDS[name], folder)
     _, told = running.communicate()
@@ -216,7 +216,7 @@ def _finished(name: str, folder: Path) -> float:
 
 
 def ended_at_random(names: list[str], times: int, seed: int = 1) -> list[Left]:
-    """End each command so many times; return what was left."""
+    """Terminate each command repeatedly; return what was left behind."""
     chance, left = random.Random(seed), list[Left]()
     for name in names:
         folder = Path(tempfile.mkdtemp())

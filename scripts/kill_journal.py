@@ -31,7 +31,7 @@ UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
 
 def paint(path: Path, told: mmap.mmap) -> None:
-    """Append samples for ever; `told` holds the time of the newest sample there is."""
+    """Append samples for ever; `told` is given the time of the newest sample."""
     with Journal(path, {"brush": "full"}) as journal:
         start = time.monotonic_ns()
         n = 1

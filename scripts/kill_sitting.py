@@ -50,7 +50,7 @@ HAIRY = dataclasses.replace(load_brush("full"), name="hairy", bristles=BristleSp
 
 
 class Waits(NamedTuple):
-    """What a lost time was waited for, ns, as far as it could be seen."""
+    """Waiting times within a loss, ns, as far as they could be observed."""
 
     core: int = 0  # by one of the threads, at most; what still goes on as it is killed is not seen
     disk: int = 0  # by any thread
@@ -58,7 +58,7 @@ class Waits(NamedTuple):
 
 
 class Kill(NamedTuple):
-    """What became of one killed sitting."""
+    """Result of one killed sitting."""
 
     n_told: int  # batches and commands that were handed over
     n_kept: int  # of these
@@ -71,14 +71,14 @@ class Kill(NamedTuple):
 
 
 class Teller:
-    """Numbers of what is handed over, and when, in memory that outlives who writes it."""
+    """Numbers and times of what is handed over, in memory that outlives the process."""
 
     def __init__(self) -> None:
         self._memory = mmap.mmap(-1, 8 * EVENTS)
         self.times = np.frombuffer(self._memory, np.int64)  # [0]: how many
 
     def tell(self) -> int:
-        """The next number; it is being handed over now."""
+        """Number the next batch or command, which is being handed over now."""
         number = int(self.times[0]) + 1
         self.times[number] = time.monotonic_ns()
         self.times[0] = number
@@ -86,12 +86,12 @@ class Teller:
 
 
 def new_document() -> Document:
-    """A plane of xuan paper and a brush of forty hairs."""
+    """Make a plane of xuan paper and a brush of forty hairs."""
     return Document.new("plane", 1.5, "xuan", brush=HAIRY)
 
 
 def batches(stroke: int, first_ns: int, chance: random.Random) -> list[list[DeviceSample]]:
-    """The samples of a wavy stroke across the plane, lifted at both ends."""
+    """Make the samples of a wavy stroke across the plane, lifted at both ends."""
     n, y = BATCH * STROKE, chance.uniform(-40, 40)
     x = np.linspace(-50, 50, n) * (-1) ** stroke
     ys = y + 6.0 * np.sin(x / 7.0)
@@ -143,7 +143,7 @@ def sit(folder: Path, teller: Teller, seed: int) -> None:
 
 
 def kill_once(folder: Path, seconds: float, seed: int) -> Kill:
-    """Let a sitting that has begun go on for so long, kill it, and take up what it left."""
+    """Let a sitting that has begun run for this time, kill it, and recover it."""
     teller = Teller()
     process = os.fork()
     if process == 0:
@@ -175,7 +175,7 @@ def kill_once(folder: Path, seconds: float, seed: int) -> Kill:
 
 
 class Look(NamedTuple):
-    """What a process was seen to wait for, and when, ns."""
+    """Waiting times of a process's threads, observed at one time, ns."""
 
     at: int
     waited: dict[str, int]  # by each of its threads for a core, until then
@@ -183,7 +183,7 @@ class Look(NamedTuple):
 
 
 def _watched(process: int, seconds: float) -> list[Look]:
-    """Let a process go on for so long, and look what its threads wait for."""
+    """Let a process run for this time; observe what its threads wait for."""
     looks: list[Look] = []
     until = time.monotonic() + seconds
     while True:
@@ -200,7 +200,7 @@ def _watched(process: int, seconds: float) -> list[Look]:
 
 
 def _waited(looks: list[Look], since_ns: int) -> Waits:
-    """What was waited for since then."""
+    """Sum the waiting times since then."""
     before = next((look for look in reversed(looks) if look.at <= since_ns), looks[0])
     later = [before, *(look for look in looks if look.at > before.at)]
     core = [waited - before.waited.get(name, 0) for name, waited in later[-1].waited.items()]

@@ -99,7 +99,7 @@ def make_recording(glyphs: Path) -> Recording:
 
 
 def character_shares(recording: Recording, n: int) -> NDArray[np.float64]:
-    """How much of every sample (N, n) belongs to each character: blends on the ways between."""
+    """Compute weights of the characters at every sample (N, n), blended between them."""
     down = recording.pressure > 0.0
     dipped = np.append(False, np.diff((recording.buttons != 0).astype(int)) == 1)
     dipped[0] = recording.buttons[0] != 0
@@ -139,7 +139,7 @@ def hold(time_s: NDArray, shares: NDArray, frames: list[SurfaceFrame]) -> tuple[
 
 
 def comfortable(frame: SurfaceFrame) -> NDArray:
-    """world_from_object that turns a place up, leaning towards the writer at -y."""
+    """Compute the world_from_object that turns a point up, leaning towards the writer at -y."""
     sine, cosine = math.sin(LEAN), math.cos(LEAN)
     wanted = np.array([[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]])
     there = np.stack([frame.x_axis, frame.y_axis, frame.normal], axis=-1)
@@ -147,7 +147,7 @@ def comfortable(frame: SurfaceFrame) -> NDArray:
 
 
 def turns(angle: NDArray, axis: int) -> NDArray:
-    """Quaternions (N, 4) of turns about a coordinate axis."""
+    """Make quaternions (N, 4) of turns about a coordinate axis."""
     quaternions = np.zeros((len(angle), 4))
     quaternions[:, 0], quaternions[:, 1 + axis] = np.cos(0.5 * angle), np.sin(0.5 * angle)
     return quaternions
@@ -164,7 +164,7 @@ def write(recording: Recording, file: Path) -> int:
 
 
 def rounded(line: str) -> str:
-    """One sample's line with numbers as long as they need to be."""
+    """Round the numbers of one sample's line."""
 
     def shorten(entry: dict) -> dict:
         for key, value in entry.items():

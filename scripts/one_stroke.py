@@ -23,7 +23,7 @@ NO_KEY = QtCore.Qt.KeyboardModifier.NoModifier
 
 
 def wait_for(what: str, holds: Callable[[], bool]) -> None:
-    """Let the program live until something holds."""
+    """Process events until a condition holds."""
     until = time.monotonic() + LIMIT_S
     while not holds():
         if time.monotonic() > until:

@@ -42,7 +42,7 @@ HEAD = (
 
 
 def prepared(path: str, folder: Path) -> str:
-    """A mesh that is 150 mm long, whatever its unit is: a file of it."""
+    """Scale a mesh to 150 mm, whatever its unit is; return a file of it."""
     import paint3d
 
     mesh = load_mesh(path)
@@ -53,8 +53,10 @@ def prepared(path: str, folder: Path) -> str:
 
 
 def study(window: StudioWindow, name: str, side: str, options: argparse.Namespace) -> np.ndarray:
-    """(N, 6): of strokes the inked share, 95 % of the distance from the way, jump and stray, and
-    how long the way is on the surface and through the air, mm.
+    """Measure strokes, a row (6,) each, lengths in mm.
+
+    The inked fraction, 95 % of the distance from the path, jump, stray, and the length of the path
+    on the surface and through the air.
     """
     rng = np.random.default_rng(options.seed)
     rows = []

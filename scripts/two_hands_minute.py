@@ -64,7 +64,7 @@ MOUSE = bytes.fromhex(
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of the minute.
+    """Results of the minute.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Outcome:
 
 
 def counts_at(t: float) -> int | None:
-    """The cap's turn about z at time t, counts; None where the hand is off."""
+    """Return the cap's turn about z at time t, counts; None while the hand is off."""
     phase = t % (SWING_S + REST_S)
     if phase >= SWING_S:
         return None
@@ -100,12 +100,12 @@ def counts_at(t: float) -> int | None:
 
 
 def mouse_report(counts: int) -> bytes:
-    """Report 2 of a cap that is turned about z."""
+    """Encode report 2 of a cap that is turned about z."""
     return struct.pack("<B3h", 2, 0, 0, counts)
 
 
 def turns(n_ms: int) -> NDArray[np.float64]:
-    """The object's angle at every millisecond, summed up plainly: the script's own reckoning."""
+    """Integrate the object's angle at every millisecond, independently of the program."""
     rate = np.zeros(n_ms)
     for ms in range(0, n_ms, MOUSE_PERIOD_MS):
         counts = counts_at(ms * 1e-3)
@@ -274,7 +274,7 @@ def _conclude(
 
 
 def main() -> int:
-    """Run, and say what became of it; 1 where a sample was lost or something drifted."""
+    """Run and print the results; return 1 if a sample was lost or something drifted."""
     parser = argparse.ArgumentParser(description="both virtual hands, for a minute")
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--live", action="store_true", help="by the clock, in processes")

@@ -61,7 +61,7 @@ def write_variants(surface: object, folder: Path) -> None:
 
 
 def gltf_validator(folder: Path) -> list[str]:
-    """Errors, warnings and hints of Khronos' validator."""
+    """List errors, warnings and hints of Khronos' validator."""
     if shutil.which("node") is None:
         raise MissingToolError("node")
     found = []
@@ -86,7 +86,7 @@ def _node_path() -> str:
 
 
 def lib3mf(folder: Path) -> list[str]:
-    """Warnings of lib3mf's strict reader, and solids that are not closed.
+    """List warnings of lib3mf's strict reader, and solids that are not closed.
 
     What is for slicers has an attribute of theirs without a namespace, of which it may warn.
     """
@@ -116,7 +116,7 @@ def lib3mf(folder: Path) -> list[str]:
 
 
 def usd(folder: Path) -> list[str]:
-    """What all validators that come with USD find."""
+    """List the errors of all validators that come with USD."""
     try:
         from pxr import Usd, UsdValidation
     except ImportError:
@@ -131,7 +131,7 @@ def usd(folder: Path) -> list[str]:
 
 
 def readers(folder: Path) -> list[str]:
-    """Whether trimesh and Open3D read the colours to the code."""
+    """List the files whose colours trimesh or Open3D read differently."""
     import open3d
     import trimesh
 
@@ -151,7 +151,7 @@ def readers(folder: Path) -> list[str]:
 
 
 def chromium(folder: Path) -> list[str]:
-    """The tests of the page that shows an object."""
+    """Run the tests of the page that shows an object; list their last lines if they fail."""
     if not any(map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))):
         raise MissingToolError("chromium")
     command = [sys.executable, "-m", "pytest", "-q", "tests/e2e/test_viewer.py"]
@@ -160,7 +160,7 @@ def chromium(folder: Path) -> list[str]:
 
 
 def checker(folder: Path) -> list[str]:
-    """The independent checker, with all of its readers that are installed."""
+    """Run the independent checker, with all of its readers that are installed."""
     if not CHECKER.is_file():
         raise MissingToolError(str(CHECKER))
     found = []
@@ -190,7 +190,7 @@ CHECKS: dict[str, Callable[[Path], list[str]]] = {
 
 
 def paint_demo() -> object:
-    """The demo's recording on the bowl."""
+    """Paint the demo's recording on the bowl."""
     recording = paint3d.load_recording(str(files("paint3d.calligraphy") / "data" / "demo.jsonl.gz"))
     surface = paint3d.PaintedSurface(paint3d.load_mesh("bowl"), resolution=0.2)
     header = recording.header

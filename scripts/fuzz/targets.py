@@ -1,4 +1,4 @@
-"""What is fuzzed: for each kind of file good ones to start from, and the reader to try.
+"""Targets of the fuzzer: for each kind of file good ones to start from, and the reader.
 
 A target that is not about a file takes bytes all the same: see `Target.check`.
 """

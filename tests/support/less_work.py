@@ -126,7 +126,7 @@ def sheets_found_once() -> Iterator[None]:
 
 
 def _hold(thing: object) -> None:
-    """Let nobody write to any array of a record, however deep it lies."""
+    """Make every array of a record read-only, however deep it lies."""
     if isinstance(thing, np.ndarray):
         thing.setflags(write=False)
     elif isinstance(thing, tuple | list):

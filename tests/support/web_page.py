@@ -65,7 +65,7 @@ def _run_vite(*words: str) -> None:
 
 
 def hashes_of(surface: PaintedSurface) -> dict[str, Any]:
-    """What a page says of its painting."""
+    """Hash a painting as the page does."""
     arrays = {"srgb": surface.srgb, "amounts": surface.amounts, "coverage": surface.coverage}
     hashes = {
         name: hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()

@@ -57,7 +57,7 @@ class Touching:
         return self
 
     def set(self, places, wait=0.012) -> None:
-        """Let fingers be at these places, by their numbers; others are lifted."""
+        """Put fingers at these positions, by their numbers; others are lifted."""
         sequence = QtTest.QTest.touchEvent(self._canvas, _SCREEN[0], False)
         for number in {*places, *self._down}:
             at = places.get(number, self._down.get(number))
