@@ -58,13 +58,13 @@ def sheet(width: float, height: float, spacing: float) -> TriangleMesh:
     return TriangleMesh(points.astype(np.float32), np.vstack([np.c_[a, b, c], np.c_[a, c, d]]))
 
 
-def lay(surface: PaintedSurface, share: NDArray[np.float64], inks: dict[str, float]) -> None:
+def lay(surface: PaintedSurface, coverage: NDArray[np.float64], inks: dict[str, float]) -> None:
     """Lay coats of inks where `share` (V,) of a vertex is covered."""
-    ids = np.flatnonzero(share > 0.0).astype(np.int32)
+    ids = np.flatnonzero(coverage > 0.0).astype(np.int32)
     for name, coats in inks.items():
         column = surface.column_of(load_pigment(name))
-        surface.ink.amounts[ids, column] += (coats * share[ids]).astype(np.float32)
-    surface.ink.coverage[ids] = share[ids]
+        surface.ink.amounts[ids, column] += (coats * coverage[ids]).astype(np.float32)
+    surface.ink.coverage[ids] = coverage[ids]
     surface.touch(ids)
 
 
@@ -107,7 +107,7 @@ def power_of(times: tuple[float, ...], lengths: list[float]) -> float:
 
 
 def measure_drop(
-    material: str, spacing: float, share: float, ink: str = "pine soot"
+    material: str, spacing: float, fraction: float, ink: str = "pine soot"
 ) -> list[float]:
     """Measure the figures of a drop, in the order of NAMES."""
     surface = PaintedSurface(sheet(20.0, 20.0, spacing), None, material)
@@ -115,7 +115,7 @@ def measure_drop(
     away = np.linalg.norm(points[:, :2], axis=1)
     covered = np.clip((RADIUS - away) / 0.5 + 0.5, 0.0, 1.0)
     scale = COATS * np.pi * RADIUS**2 / (covered @ areas)
-    lay(surface, covered, {ink: share * scale, "water": (1.0 - share) * scale})
+    lay(surface, covered, {ink: fraction * scale, "water": (1.0 - fraction) * scale})
 
     def disc(marked: NDArray[np.bool_]) -> float:
         return float(np.sqrt(areas[marked].sum() / np.pi))
@@ -145,14 +145,14 @@ def measure_drop(
     return [*figures, hurst(all_ink), float(in_halo)]
 
 
-def compare_inks(material: str, spacing: float, share: float) -> None:
+def compare_inks(material: str, spacing: float, fraction: float) -> None:
     """Print a line of OF_INKS for each ink of the palette."""
     for name in pigment_names():
-        figures = measure_drop(material, spacing, share, name)
+        figures = measure_drop(material, spacing, fraction, name)
         water, ink, halo, _, rim = figures[:5]
         own = load_pigment(name)
-        found = own.fine, own.grain_um, water, ink, halo, rim, figures[-1]
-        shown = (f"{x:.3g}" for x in found)
+        row = own.fine, own.grain_um, water, ink, halo, rim, figures[-1]
+        shown = (f"{x:.3g}" for x in row)
         print(material, name, *shown, sep=",", flush=True)
 
 
@@ -171,17 +171,17 @@ def measure_strip(material: str, spacing: float) -> float:
 
 
 def front_widths(
-    material: str, spacing: float, wide: float = 45.0, places: tuple[float, ...] = (0.0, 37.0)
+    material: str, spacing: float, wide: float = 45.0, heights: tuple[float, ...] = (0.0, 37.0)
 ) -> NDArray[np.float64]:
     """Measure the deviation of a front within each of WINDOWS (7,), mm, over several sheets."""
     squares = []
-    for z in places:
+    for z in heights:
         flat = sheet(wide, 14.0, spacing)
         moved = flat.vertices + np.array([0.0, 0.0, z], np.float32)
         surface = PaintedSurface(TriangleMesh(moved, flat.faces), None, material)
         x, y, _ = surface.paint_mesh.vertices.T
-        share = (y < -4.0).astype(float)
-        lay(surface, share, {"pine soot": 0.1 * COATS, "water": 0.9 * COATS})
+        coverage = (y < -4.0).astype(float)
+        lay(surface, coverage, {"pine soot": 0.1 * COATS, "water": 0.9 * COATS})
         surface.diffuse(20.0)
         wet = wet_of(surface)
         column = np.rint((x + wide / 2) / spacing).astype(int)

@@ -228,8 +228,8 @@ def kimera_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
         rows = list(csv.DictReader(stream))
 
     def read(name: str) -> tuple[NDArray, NDArray]:
-        found = [row for row in rows if row["pigment"] == name]
-        table = {float(r["wavelength_nm"]): (r["K_rel"], r["S_rel_to_white"]) for r in found}
+        matches = [row for row in rows if row["pigment"] == name]
+        table = {float(r["wavelength_nm"]): (r["K_rel"], r["S_rel_to_white"]) for r in matches}
         k, s = np.array([table[nm] for nm in WAVELENGTHS], dtype=float).T
         return k, s
 

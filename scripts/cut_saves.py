@@ -114,9 +114,9 @@ def cut_everywhere(folder: Path) -> tuple[int, int]:
     before = target.read_bytes()
     calls = left_old = 0
     while not run_until_call(lambda: save_session(new, target), calls):
-        found = target.read_bytes()
-        assert found in (before, after), f"a file of {len(found)} bytes after call {calls}"
-        left_old += found == before
+        content = target.read_bytes()
+        assert content in (before, after), f"a file of {len(content)} bytes after call {calls}"
+        left_old += content == before
         for other in folder.iterdir():
             if other != target:
                 other.unlink()

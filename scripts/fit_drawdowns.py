@@ -272,7 +272,7 @@ def left_out_differences(data: Drawdowns, gloss, folds: int) -> tuple[NDArray, N
     Samples are dealt to the folds in the table's order. One whose paint occurs nowhere else among
     what is left cannot be predicted, and is not counted.
     """
-    which, found = [], []
+    which, apart_of = [], []
     for fold in range(folds):
         out = np.arange(fold, len(data.fractions), folds)
         rest = data.without(out)
@@ -280,8 +280,8 @@ def left_out_differences(data: Drawdowns, gloss, folds: int) -> tuple[NDArray, N
         for sample in out:
             if (rest.fractions[:, data.fractions[sample] > 0].sum(axis=0) > 0).all():
                 which.append(sample)
-                found.append(apart[sample])
-    return np.array(which), np.array(found)
+                apart_of.append(apart[sample])
+    return np.array(which), np.array(apart_of)
 
 
 def _paints_recur(data: Drawdowns, sample: int) -> bool:

@@ -82,9 +82,9 @@ FRACTIONS = (("1B", 3.0), ("2B", 30.0), ("3B", 140.0), ("4B", 600.0))
 def strengths(index: float, size_um: float, around: float) -> tuple[NDArray, NDArray]:
     """Compute K and S (24,) per um of solid stone, by the imaginary index `ABSORBED`."""
     at = np.linspace(-2.0, 2.0, 7)
-    shares = np.exp(-0.5 * at**2) / np.exp(-0.5 * at**2).sum()
+    weights = np.exp(-0.5 * at**2) / np.exp(-0.5 * at**2).sum()
     k, s = np.zeros(len(ABSORBED)), np.zeros(len(ABSORBED))
-    for diameter, part in zip(size_um * np.exp(SPREAD * at), shares, strict=True):
+    for diameter, part in zip(size_um * np.exp(SPREAD * at), weights, strict=True):
         for i, absorbed in enumerate(ABSORBED):
             size = np.pi * diameter * 1e3 * around / GREEN_NM
             extinct, scattered, g = efficiencies(complex(index, absorbed) / around, size)

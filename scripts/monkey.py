@@ -25,11 +25,11 @@ from tests.support.app.monkey import Fault, Monkey
 
 def numbers(texts: list[str]) -> list[int]:
     """Parse numbers and ranges, such as "3-17 42"."""
-    found: list[int] = []
+    result: list[int] = []
     for text in texts:
         first, _, last = text.partition("-")
-        found += range(int(first), int(last or first) + 1)
-    return found
+        result += range(int(first), int(last or first) + 1)
+    return result
 
 
 class Disk:

@@ -55,8 +55,8 @@ class Soot(NamedTuple):
         spread = 0.25 * np.log(self.most_nm / self.least_nm)
         median = np.sqrt(self.least_nm * self.most_nm) * np.exp(3.0 * spread**2)
         at = np.linspace(-3.0, 3.0, 25)
-        share = np.exp(-0.5 * at**2)
-        return median * np.exp(spread * at), share / share.sum()
+        weight = np.exp(-0.5 * at**2)
+        return median * np.exp(spread * at), weight / weight.sum()
 
 
 SOOTS = {"pine soot": Soot(20.0, 400.0), "oil soot": Soot(15.0, 80.0)}
@@ -104,11 +104,11 @@ def efficiencies(relative: complex, size: float) -> tuple[float, float, float]:
 
 def strengths_per_um(soot: Soot, glue: float = GLUE) -> tuple[NDArray, NDArray]:
     """Compute K and S (31,) of solid soot in glue, 1/um, before the third step."""
-    diameters, shares = soot.by_volume()
+    diameters, weights = soot.by_volume()
     k, s = np.zeros(len(WAVELENGTHS)), np.zeros(len(WAVELENGTHS))
     for i, nm in enumerate(np.asarray(WAVELENGTHS)):
         relative = index_of(nm) / glue
-        for diameter, part in zip(diameters, shares, strict=True):
+        for diameter, part in zip(diameters, weights, strict=True):
             extinct, scattered, g = efficiencies(relative, np.pi * diameter * glue / nm)
             per_um = 1.5e3 * part / diameter  # section over volume
             k[i] += 2.0 * per_um * (extinct - scattered)

@@ -63,11 +63,11 @@ def study(window: StudioWindow, name: str, side: str, options: argparse.Namespac
     strokes = random_strokes(window, rng, options.strokes, side, tilt_degrees=options.tilt)
     for stroke in strokes:
         for trial in try_strokes(window, stroke):
-            found = stations(trial.mark, trial.way, reach_mm=REACH)
+            parts = stations(trial.mark, trial.way, reach_mm=REACH)
             rows.append((
                 inked_share(trial.mark, trial.way, HALF_FOOTPRINT),
-                off_the_way(found, 95.0, ends_mm=1.0),
-                largest_jump(found),
+                off_the_way(parts, 95.0, ends_mm=1.0),
+                largest_jump(parts),
                 stray(trial.mark, trial.way, HALF_FOOTPRINT),
                 trial.way.length_mm - trial.way.in_the_air_mm,
                 trial.way.in_the_air_mm,

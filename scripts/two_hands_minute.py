@@ -279,12 +279,12 @@ def main() -> int:
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--live", action="store_true", help="by the clock, in processes")
     options = parser.parse_args()
-    found = (live if options.live else simulate)(options.seconds)
-    for name, value in dataclasses.asdict(found).items():
+    outcome = (live if options.live else simulate)(options.seconds)
+    for name, value in dataclasses.asdict(outcome).items():
         sys.stdout.write(f"{name:22}{value:.6g}\n")
     most_mm = 0.5 if options.live else 0.005
-    bad = found.painted != found.sent or found.last_second_error_mm > most_mm
-    return int(bad or found.ink_error > 1e-6)
+    bad = outcome.painted != outcome.sent or outcome.last_second_error_mm > most_mm
+    return int(bad or outcome.ink_error > 1e-6)
 
 
 if __name__ == "__main__":

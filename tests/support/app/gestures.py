@@ -183,8 +183,8 @@ def click_button(panel, text: str) -> None:
 
 def mouse(canvas, kind, x, y, button=BUTTON.NoButton, buttons=BUTTON.NoButton, keys=NO_KEY):
     """Send one mouse event."""
-    place = QtCore.QPointF(x, y)
-    event = QtGui.QMouseEvent(kind, place, canvas.mapToGlobal(place), button, buttons, keys)
+    position = QtCore.QPointF(x, y)
+    event = QtGui.QMouseEvent(kind, position, canvas.mapToGlobal(position), button, buttons, keys)
     QtWidgets.QApplication.sendEvent(canvas, event)
 
 
@@ -205,9 +205,9 @@ def drag(canvas, start, end, button=BUTTON.LeftButton, keys=NO_KEY, n=15, releas
 def pen(canvas, kind, x, y, pressure, tilt=(0.0, 0.0)):
     """Send one event of a tablet's pen."""
     down = BUTTON.NoButton if kind == KIND.TabletRelease else BUTTON.LeftButton
-    place = QtCore.QPointF(x, y)
+    position = QtCore.QPointF(x, y)
     event = QtGui.QTabletEvent(
-        kind, PEN, place, canvas.mapToGlobal(place), pressure, *tilt, 0.0, 0.0, 0.0, NO_KEY,
+        kind, PEN, position, canvas.mapToGlobal(position), pressure, *tilt, 0.0, 0.0, 0.0, NO_KEY,
         BUTTON.LeftButton, down,
     )  # fmt: skip
     event.setTimestamp(HAND.now_ms)

@@ -273,17 +273,17 @@ def _middles(station: NDArray, aside: NDArray, n: int) -> NDArray:
     return middle
 
 
-def off_the_way(found: Stations, percent: float = 100.0, ends_mm: float = 0.0) -> float:
+def off_the_way(parts: Stations, percent: float = 100.0, ends_mm: float = 0.0) -> float:
     """Measure how far the middle of a mark lies from the path, mm: a percentile; inf if missing."""
-    inner = (found.at >= ends_mm) & (found.at <= found.at[-1] + found.at[0] - ends_mm)
-    middle = np.abs(found.middle[inner])
+    inner = (parts.at >= ends_mm) & (parts.at <= parts.at[-1] + parts.at[0] - ends_mm)
+    middle = np.abs(parts.middle[inner])
     middle = middle[np.isfinite(middle)]
     return float(np.percentile(middle, percent)) if len(middle) else float("inf")
 
 
-def largest_jump(found: Stations) -> float:
+def largest_jump(parts: Stations) -> float:
     """The largest step aside of a mark's middle from one station to the next, mm."""
-    middle = found.middle[np.isfinite(found.middle)]
+    middle = parts.middle[np.isfinite(parts.middle)]
     return float(np.abs(np.diff(middle)).max()) if len(middle) > 1 else 0.0
 
 

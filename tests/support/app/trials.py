@@ -54,21 +54,21 @@ def player_of(window: StudioWindow) -> EventPlayer:
 
 def faults(trial: Trial, wanted_ink: float | None = None) -> list[str]:
     """List how a stroke differs from what any should be; its ink, if that is given, coats x mm."""
-    found = stations(trial.mark, trial.way)
+    parts = stations(trial.mark, trial.way)
     inked = inked_share(trial.mark, trial.way, HALF_FOOTPRINT)
-    off = off_the_way(found, 95.0, ends_mm=1.0)
-    jump = largest_jump(found)
-    told = []
+    off = off_the_way(parts, 95.0, ends_mm=1.0)
+    jump = largest_jump(parts)
+    differences = []
     if inked < 0.98:
-        told.append(f"inked {inked:.3f}")
+        differences.append(f"inked {inked:.3f}")
     if off > 1.2:
-        told.append(f"{off:.2f} mm off")
+        differences.append(f"{off:.2f} mm off")
     if jump > 2.0:
-        told.append(f"jump of {jump:.2f} mm")
+        differences.append(f"jump of {jump:.2f} mm")
     ink = 1.0 if wanted_ink is None else ink_per_mm(trial.mark, trial.way) / wanted_ink
     if not 0.85 <= ink <= 1.25:  # on paper lanes of hairs bring more or less
-        told.append(f"ink {ink:.2f} of what was wanted")
-    return [f"stroke {trial.number}: {', '.join(told)}"] if told else []
+        differences.append(f"ink {ink:.2f} of what was wanted")
+    return [f"stroke {trial.number}: {', '.join(differences)}"] if differences else []
 
 
 @contextmanager
