@@ -590,7 +590,7 @@ class Painter:
             passed = first + pauses.passed
             first += known - LOOKAHEAD
             at[0] = LOOKAHEAD
-        self._switch_end(erases=False)
+        self._turn(erases=False)
         self._n_samples += n
         self._begin()
         log_warnings(warnings if self.scratch.counters[FOOTPRINTS] > laid else warnings[:1])
@@ -606,10 +606,10 @@ class Painter:
     ) -> None:
         """Paint up to sample `last`, one by one where a table looks at each."""
         if table is None:
-            self._paint_or_erase(samples, last, refills, buttons)
+            self._paint_by_ends(samples, last, refills, buttons)
             return
         for k in range(max(0, min(int(self._progress.at[0]) + 1, last)), last + 1):
-            self._paint_or_erase(samples, k, refills, buttons)
+            self._paint_by_ends(samples, k, refills, buttons)
             table.see(int(times_ns[k]), float(samples.pressure[k]), self._brush_state())
 
     def _brush_state(self) -> BrushState:
@@ -759,19 +759,19 @@ class Painter:
             fill(self)
         self._run(samples, last)
 
-    def _paint_or_erase(
+    def _paint_by_ends(
         self, samples: Samples, last: int, refills: list[_Refill], buttons: AnyArray
     ) -> None:
         """Paint up to sample `last` as `_paint` does, or erase where the eraser end is down."""
         first = int(self._progress.at[0])
-        for begin, end, erases in eraser_runs(buttons[first : max(first, last) + 1]):
-            self._switch_end(erases=erases)
-            for k in range(first + begin, first + end) if erases else (first + end - 1,):
+        for begin, end, turned in eraser_runs(buttons[first : max(first, last) + 1]):
+            self._turn(erases=turned)
+            for k in range(first + begin, first + end) if turned else (first + end - 1,):
                 self._paint(samples, k, refills)
                 if self._eraser is not None:
                     self.loaded -= self._eraser.wipe()
 
-    def _switch_end(self, *, erases: bool) -> None:
+    def _turn(self, *, erases: bool) -> None:
         """Switch to the pen's eraser end, as wet as a dipped brush, or back to the brush."""
         surface = self.surface
         if erases and self._eraser is None:
