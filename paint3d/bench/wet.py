@@ -21,7 +21,7 @@ from paint3d.app.model.ink_clock import InkClock
 from paint3d.app.model.paint_thread import Pace
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
-from paint3d.painter.ink_time import PIECE_S
+from paint3d.painter.ink_time import INK_STEP_S
 
 __all__ = ["measure"]
 
@@ -63,7 +63,7 @@ class _Hand:
     @property
     def lost_s(self) -> float:
         """Time that did not pass for the ink, s: left out, or behind what moved."""
-        return PIECE_S * self._clock.left_out + self.slow_s
+        return INK_STEP_S * self._clock.left_out + self.slow_s
 
     def ask(self, at: float, work: Callable[[], object] | DeviceSample) -> None:
         """Queue work, or a sample to paint, for a time, s; times must rise."""
@@ -84,7 +84,7 @@ class _Hand:
                 self._follow_time()
             else:
                 self._spend(self.document.prepare_next_stroke)
-                self.now += max(0.0, min(at - self.now, 0.2 * PIECE_S))
+                self.now += max(0.0, min(at - self.now, 0.2 * INK_STEP_S))
 
     def _paint(self, at: float, sample: DeviceSample) -> None:
         most = self._pace.most(self.now - at)
@@ -94,8 +94,8 @@ class _Hand:
 
     def _follow_time(self) -> None:
         before = self.now
-        self.slow_s += 0.0 if self._follows else PIECE_S
-        self._follows = self._spend(lambda: self.document.follow_time(PIECE_S))
+        self.slow_s += 0.0 if self._follows else INK_STEP_S
+        self._follows = self._spend(lambda: self.document.follow_time(INK_STEP_S))
         self._pace.took(self.now - before)
         self._spend(self.document.refresh)
         self.slices.append(self.now - before)

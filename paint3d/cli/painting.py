@@ -575,7 +575,7 @@ def paint_onto(
     import numpy as np
 
     from paint3d.painter.flat_input import LaidPad
-    from paint3d.painter.ink_time import PIECE_NS, PIECE_S
+    from paint3d.painter.ink_time import INK_STEP_NS, INK_STEP_S
     from paint3d.painter.pose_check import fit_to_tuft
     from paint3d.painter.recorded_tools import changes_at, eraser_runs, recorded_amount
 
@@ -595,7 +595,7 @@ def paint_onto(
     n, time_ns, is_wet = len(recording), recording.time_ns, wanted.spread is not None
     loads, strengths = changes_at(recording.header, time_ns)
     if is_wet or watch is not None:  # time passes between these
-        step_ns = PIECE_NS if is_wet else round(1e9 * watch.step_s)  # type: ignore[union-attr]
+        step_ns = INK_STEP_NS if is_wet else round(1e9 * watch.step_s)  # type: ignore[union-attr]
         ends = np.flatnonzero(np.diff(time_ns // step_ns)) + 1
     else:
         ends = np.arange(_AT_ONCE, n, _AT_ONCE)
@@ -616,7 +616,7 @@ def paint_onto(
                 )
             document.feed(list(recording.part(first, end).samples()))
             if is_wet and end < n:
-                pieces = int(time_ns[end] // PIECE_NS - time_ns[end - 1] // PIECE_NS)
+                pieces = int(time_ns[end] // INK_STEP_NS - time_ns[end - 1] // INK_STEP_NS)
                 _let_pass(document, pieces, lambda _: None)
             report(end / n)
             first = end
@@ -625,7 +625,7 @@ def paint_onto(
         if wanted.spread is not None:
             with ProgressBar("spreading", enabled=not wanted.quiet) as progress:
                 resting = progress if watch is None else watch.resting(progress)
-                _let_pass(document, round(min(wanted.spread, _LONGEST_S) / PIECE_S), resting)
+                _let_pass(document, round(min(wanted.spread, _LONGEST_S) / INK_STEP_S), resting)
         over = fraction_over(document, before)  # before the report, which updates colours
         counts = document.painter.report()
     counts["over_paint"] = round(over, 4)
@@ -649,10 +649,10 @@ def _with_hairs(brush: BrushSpec, hairs: int | None) -> BrushSpec:
 
 def _let_pass(document: Document, pieces: int, report: Callable[[float], None]) -> None:
     """Advance the ink by so many steps of its time, or until it is dry."""
-    from paint3d.painter.ink_time import PIECE_S
+    from paint3d.painter.ink_time import INK_STEP_S
 
     for k in range(pieces):
-        document.follow_time(PIECE_S)
+        document.follow_time(INK_STEP_S)
         report((k + 1) / pieces)
         if document.surface.flow.is_dry:
             return

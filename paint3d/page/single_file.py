@@ -42,7 +42,7 @@ from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.session import Session
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.page.folder import BUILT, INKS, KERNELS, PageObject, build_page, check_grains
-from paint3d.painter.ink_time import PIECE_S
+from paint3d.painter.ink_time import INK_STEP_S
 from paint3d.recording.score import Event, Score, write_score
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -295,11 +295,11 @@ def _events(events: Sequence[Event], header: Mapping[str, Any]) -> Iterator[Even
         if name not in _PLAYED or others:
             what = name if name not in _PLAYED else f"{name} with {others[0]}"
             raise InputError("its recording has {what}, which a page does not play", what=what)
-        if name == "follow_time" and line["seconds"] != PIECE_S:
+        if name == "follow_time" and line["seconds"] != INK_STEP_S:
             raise InputError(
                 "its ink flows in steps of {seconds:g} s; in a page these are {expected:g} s",
                 seconds=line["seconds"],
-                expected=PIECE_S,
+                expected=INK_STEP_S,
             )
         if name == "set_brush" and line["brush"] not in brush_names():
             raise InputError("one of its brushes is none of the presets")

@@ -45,7 +45,7 @@ from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError, Message, RecordingError
 from paint3d.painter.flat_input import LaidPad
-from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
+from paint3d.painter.ink_time import INK_STEP_S, LOOKAHEAD, Pauses, ink_steps_until
 from paint3d.painter.pose_check import fit_to_tuft, inspect_poses, log_warnings
 from paint3d.painter.recorded_tools import LEAST_INK, changes_at, eraser_runs
 from paint3d.painter.stroke_table import BrushState, StrokeTable
@@ -577,9 +577,9 @@ class Painter:
             if table is not None and first == 0:
                 table.begin(start, float(samples.pressure[0]), self._brush_state())
             for stop, is_frame in _stops(time_s, int(at[0]), known, frame_rate):
-                for pause, pieces in pauses.until(stop) if wet else ():
+                for pause, steps in pauses.until(stop) if wet else ():
                     self._paint_to(pause, samples, refills, buttons, times_ns, table)
-                    self._step_ink(pieces, progress, max(0, first + pause + 1) / n)
+                    self._step_ink(steps, progress, max(0, first + pause + 1) / n)
                 self._paint_to(stop, samples, refills, buttons, times_ns, table)
                 if is_frame or (frame_rate is not None and first + stop == n - 1):
                     self._refresh()
@@ -625,11 +625,11 @@ class Painter:
         )
 
     def _step_ink(
-        self, pieces: int, progress: Callable[[float], None] | None, fraction: float
+        self, n_steps: int, progress: Callable[[float], None] | None, fraction: float
     ) -> bool:
         """Advance the ink by time steps; return whether it is dry, so that no more can change."""
-        for _ in range(pieces):
-            self.surface.follow_time(PIECE_S)
+        for _ in range(n_steps):
+            self.surface.follow_time(INK_STEP_S)
             if progress is not None:
                 progress(fraction)
             if self.surface.flow.is_dry:
@@ -656,7 +656,7 @@ class Painter:
             If the time is not a finite number of at least 0.
         """
         seconds = min(as_number(seconds, "rest (s)", 0.0), _LONGEST_REST_S)
-        n = pieces_until(last_ns + round(1e9 * seconds)) - pieces_until(last_ns)
+        n = ink_steps_until(last_ns + round(1e9 * seconds)) - ink_steps_until(last_ns)
         passed, is_dry = 0, False
         while passed < n and not is_dry:
             passed += self.surface.keeps_up  # a surface that lags behind takes no new time
