@@ -197,7 +197,7 @@ class Painter:
         depth = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
         self._take_amount(amount)
         if self.hairs is not None:
-            self.hairs.hold(self.surface.ink.load)
+            self.hairs.rescale(self.surface.ink.load)
         if reach is None:
             self._hold(parts * self.tuft.load)
         else:
@@ -209,7 +209,7 @@ class Painter:
             self._hold_along(np.where(is_dipped[:, None], full, along))
         if self.hairs is not None:
             self.hairs.dip(self.surface.ink.load, self.tuft.load, depth)
-            self.surface.ink.load[:] = self.hairs.held()
+            self.surface.ink.load[:] = self.hairs.total()
             if reach is None:
                 self.hairs.shape()
         # A dip hides earlier ones of the same reach or less:
@@ -267,8 +267,8 @@ class Painter:
         else:
             self._hold(ink.load * factor)
         if self.hairs is not None:
-            self.hairs.hold(self.surface.ink.load)
-            self.surface.ink.load[:] = self.hairs.held()
+            self.hairs.rescale(self.surface.ink.load)
+            self.surface.ink.load[:] = self.hairs.total()
 
     def thin_to(self, fraction: float) -> None:
         """Dilute the load to a fraction, up to 1, of the ink last dipped in, the rest water.
@@ -297,9 +297,9 @@ class Painter:
         """Give the load these parts: (N, P) along the tuft, or (1, P) throughout."""
         field = self.surface.ink
         if self.hairs is not None:
-            self.hairs.hold(field.load)
+            self.hairs.rescale(field.load)
             self.hairs.load = np.outer(self.hairs.load.sum(axis=1), along.mean(axis=0))
-            self._hold(self.hairs.held())
+            self._hold(self.hairs.total())
         elif len(field.reservoirs) > 1:
             self._hold_along(along * field.reservoirs.sum(axis=1)[:, None])
         else:

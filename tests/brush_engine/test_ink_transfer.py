@@ -182,10 +182,10 @@ def test_tip_dark_belly_light_with_hairs(hairs):
         ratios.append(max(shares) / min(shares))
         if n:
             held = painter.hairs.load
-            np.testing.assert_allclose(painter.hairs.held(), painter.surface.ink.load)
+            np.testing.assert_allclose(painter.hairs.total(), painter.surface.ink.load)
             np.testing.assert_allclose(
                 held / held.sum(axis=1, keepdims=True),
-                np.tile(painter.hairs.held() / held.sum(), (n, 1)),
+                np.tile(painter.hairs.total() / held.sum(), (n, 1)),
             )
     assert ratios[0] > 1.5
     assert ratios[1] == pytest.approx(ratios[0], rel=0.25)

@@ -93,7 +93,7 @@ export class Painter {
     const hairs = this.#hairs;
     if (hairs !== null && reach !== null)
       throw new RangeError("a page does not dip the tip of single hairs; expected a whole dip");
-    hairs?.hold(surface.ink.load.data.slice());
+    hairs?.rescale(surface.ink.load.data.slice());
     if (reach === null) this.#hold(parts.map((part) => part * this.tuft.load));
     else {
       const count = parts.length;
@@ -111,7 +111,7 @@ export class Painter {
     }
     if (hairs !== null) {
       hairs.dip(surface.ink.load.data.slice());
-      surface.ink.load.data.set(hairs.held());
+      surface.ink.load.data.set(hairs.total());
       hairs.shape();
     }
     // A dip hides earlier ones of the same reach or less:
