@@ -30,7 +30,7 @@ from paint3d.files.project.session import Session, load_session, save_session
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.solids import make_plane
 
-__all__ = ["cut_everywhere", "make_session", "survives_full_disk", "traces"]
+__all__ = ["cut_everywhere", "survives_full_disk", "traces"]
 
 TRACE_ME, NEXT_CALL, SET_OPTIONS = 0, 24, 0x4200
 MARK_CALLS, DIE_WITH_PARENT = 1, 0x100000

@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import polib
 
-__all__ = ["CATALOGUES", "Text", "compile_all", "faults_of", "fields_of", "find_texts", "update"]
+__all__ = ["CATALOGUES", "Text", "compile_all", "faults_of", "find_texts", "update"]
 
 ROOT = Path(__file__).parents[1]  # of the checkout
 CATALOGUES = sorted((ROOT / "paint3d/app/window/locale").glob("*/LC_MESSAGES/paint3d.po"))

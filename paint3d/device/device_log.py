@@ -23,7 +23,7 @@ from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode
 from paint3d.errors import DeviceError, Message
 
-__all__ = ["DeviceLog", "LogEntry", "PlaybackLink", "read_device_log"]
+__all__ = ["DeviceLog", "PlaybackLink", "read_device_log"]
 
 _FORMAT, _VERSION = "paint3d-device-log", 1
 _MAX_LINE = 1 << 16

@@ -12,17 +12,7 @@ from typing import Any, Protocol
 from paint3d.device.hid_nodes import HidNode, backend_module
 from paint3d.errors import DeviceError, Message, PermissionNeededError
 
-__all__ = [
-    "MAX_REPORT",
-    "RULES_FILE",
-    "DeviceGoneError",
-    "HidLink",
-    "Link",
-    "explain_failure",
-    "find_obstacle",
-    "open_node",
-    "udev_rule",
-]
+__all__ = ["DeviceGoneError", "Link", "explain_failure", "find_obstacle", "open_node"]
 
 # ---- Permissions ---------------------------------------------------------------------------------
 

@@ -24,7 +24,6 @@ from paint3d.errors import DeviceError, Message
 from paint3d.mesh.kernels.bvh import ContactTree
 
 __all__ = [
-    "BIN_US",
     "RING_COLUMNS",
     "SNAPSHOT_COLUMNS",
     "ServoBoard",

@@ -86,10 +86,6 @@ class DeviceCalibration:
         turned = np.array(multiply(q, tuple(orientation.tolist())))
         return self.scale * np.array(turn(q, tuple(point.tolist()))) + self.shift, turned
 
-    def force_to_device(self, force: AnyArray) -> AnyArray:
-        """Rotate a force (..., 3), N, from the world's frame to the device's, without scaling."""
-        return rotate(self.rotation * _CONJUGATE, force)
-
     def as_dict(self) -> dict[str, Any]:
         """Return all values, ready for JSON."""
         return {
