@@ -48,7 +48,9 @@ def measure(scale: float = 1.0) -> Result:
     Paint3DError
         If the servo fails.
     """
-    mesh = _bowl(max(100, int(_VERTICES * scale)))
+    bowl = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * scale)))
+    vertices, faces, normals, _ = bowl.export_arrays(None)
+    mesh = TriangleMesh(vertices, faces, normals=normals)
     surface = PaintedSurface(mesh, resolution=None)
     poses = _slide(max(1.0, _SECONDS * scale))
     echo = _time_echo(poses[: max(500, int(len(poses) * _ECHO_SHARE))])
@@ -85,12 +87,6 @@ def measure(scale: float = 1.0) -> Result:
             f"Stiffness left to it: {status.softening:.0%}.",
         ],
     )
-
-
-def _bowl(n_vertices: int) -> TriangleMesh:
-    fine = refined_surface(load_mesh("bowl"), n_vertices)
-    vertices, faces, normals, _ = fine.export_arrays(None)
-    return TriangleMesh(vertices, faces, normals=normals)
 
 
 def _slide(seconds: float) -> NDArray[np.float64]:

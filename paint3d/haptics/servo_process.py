@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.machine import ENDING
+from paint3d.core.machine import ENDING, end_with_parent
 from paint3d.core.quaternion import multiply, turn
 from paint3d.device.force.force_port import ForcePort
 from paint3d.device.force.haptic_stylus import PoseNumbers
@@ -22,7 +22,7 @@ from paint3d.errors import DeviceError, Message
 from paint3d.haptics import shared_state
 from paint3d.haptics.kernels import state as hs
 from paint3d.haptics.kernels.step import servo_step
-from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, end_with_parent, keep_in_memory
+from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, keep_in_memory
 from paint3d.haptics.shared_state import RING_COLUMNS, SNAPSHOT_COLUMNS, ServoBoard, TreeBlock
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.pose.calibration import DeviceCalibration
@@ -178,7 +178,7 @@ def new_state() -> NDArray[np.void]:
 
 def run_servo(task: ServoTask) -> None:
     """Run the servo: main function of its process."""
-    end_with_parent()
+    end_with_parent(lambda _: signal.raise_signal(signal.SIGTERM))
     board = ServoBoard(task.board)
     counters = board.counters
     counters[shared_state.PID] = os.getpid()
