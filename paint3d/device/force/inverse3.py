@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.device.force.force_port import ForceLoop
-from paint3d.device.force.haptic_stylus import PoseNumbers
+from paint3d.device.force.haptic_stylus import PoseNumbers, checked_force
 from paint3d.device.sample import BARREL, DIP, ERASER, StylusReading
 from paint3d.errors import DeviceError
 
@@ -114,15 +114,7 @@ def encode_force(device_id: str, force: ArrayLike) -> str:
     DeviceError
         If the force is not finite or above the device's limit; the caller must limit it.
     """
-    x, y, z = np.asarray(force, np.float64).tolist()
-    if not math.hypot(x, y, z) <= MAX_FORCE_N + 1e-6:
-        raise DeviceError(
-            "force is ({x:g}, {y:g}, {z:g}) N; expected at most {most} N",
-            x=x,
-            y=y,
-            z=z,
-            most=MAX_FORCE_N,
-        )
+    x, y, z = checked_force(force, MAX_FORCE_N)
     values = {"x": x, "y": y, "z": z}
     command = {"device_id": device_id, "commands": {"set_cursor_force": {"values": values}}}
     return json.dumps({"inverse3": [command]}, allow_nan=False)
