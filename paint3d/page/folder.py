@@ -9,6 +9,7 @@ import re
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -197,7 +198,7 @@ def build_page(
     made_of = [load_material(name) for name in dict.fromkeys([*usual, *materials])]
     for name in brushes:
         load_brush(name)  # raises for an unknown brush before anything is written
-    files: dict[str, Callable[[], Table]] = {"common.bin.gz": lambda: common_table(pigments)}
+    files: dict[str, Callable[[], Table]] = {"common.bin.gz": partial(common_table, pigments)}
     contents: dict[str, Any] = {"version": __version__, "objects": [], "brushes": []}
     with _in_chinese():
         for (one, mesh), suits in zip(loaded, usual, strict=True):
@@ -208,17 +209,17 @@ def build_page(
                 {"name": one.name, "chinese": say_object(one.name), "file": file}
                 | {"resolution": one.resolution, "material": suits}
             )
-            files[file] = lambda mesh=mesh, mm=one.resolution: object_table(mesh, mm)  # type: ignore[misc]
+            files[file] = partial(object_table, mesh, one.resolution)
         for name in brushes:
             file, chinese = f"brushes/{_plain(name)}.bin.gz", say_brush(name)
             contents["brushes"].append({"name": name, "chinese": chinese, "file": file})
-            files[file] = lambda name=name, chinese=chinese: brush_table(name, chinese)  # type: ignore[misc]
+            files[file] = partial(brush_table, name, chinese)
     contents["materials"] = []
     for material in made_of:
         file = f"materials/{_plain(material.name)}.bin.gz"
         words = {"name": material.name, "chinese": material.chinese, "file": file}
         contents["materials"].append(words)
-        files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
+        files[file] = partial(material_table, material, pigments)
     if copybook:
         sizes: list[tuple[float, str]] = []
         for words, (_, mesh) in zip(contents["objects"], loaded, strict=True):
@@ -232,11 +233,11 @@ def build_page(
             "scaled": SCALED,
             "hands": [],
         }
-        files["copybook.bin.gz"] = lambda: outline_table("".join(copybook), glyphs)
+        files["copybook.bin.gz"] = partial(outline_table, "".join(copybook), glyphs)
         for hand in hands_for([*sizes, *[(EM_MM, text) for text in copybook]], brushes):
             file = f"hands/{_plain(hand.brush)}-{hand.em_mm:g}.bin.gz"
             contents["copybook"]["hands"].append({**hand._asdict(), "file": file})
-            files[file] = lambda hand=hand: hand_table(hand, glyphs)  # type: ignore[misc]
+            files[file] = partial(hand_table, hand, glyphs)
     if seals:
         contents["seals"] = {"file": "seals.bin.gz"}
         lines = seal_table(seals)
