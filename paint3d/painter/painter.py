@@ -610,7 +610,7 @@ class Painter:
             return
         for k in range(max(0, min(int(self._progress.at[0]) + 1, last)), last + 1):
             self._paint_by_ends(samples, k, refills, buttons)
-            table.see(int(times_ns[k]), float(samples.pressure[k]), self._brush_state())
+            table.add(int(times_ns[k]), float(samples.pressure[k]), self._brush_state())
 
     def _brush_state(self) -> BrushState:
         """Return what the brush has done so far, for a table of strokes."""

@@ -89,7 +89,7 @@ class StrokeTable:
         self._impulse = 0.0  # N s
         self._contacts = brush.contacts
 
-    def see(self, time_ns: int, pressure: float, brush: BrushState) -> None:
+    def add(self, time_ns: int, pressure: float, brush: BrushState) -> None:
         """Take the next sample, after painting up to it."""
         time_s, force = 1e-9 * (time_ns - self._start_ns), MAX_FORCE_N * pressure
         before_s, before = self._last

@@ -112,7 +112,7 @@ def test_a_table_has_no_row_without_a_footprint() -> None:
     for k, (footprints, contacts) in enumerate([(0, 1), (0, 1), (0, 2), (3, 3), (3, 3)], 1):
         touches = k in (1, 3, 4)
         state = before._replace(touches=touches, footprints=footprints, contacts=contacts)
-        table.see(k * 100_000_000, 0.1, state)
+        table.add(k * 100_000_000, 0.1, state)
     assert [(row.stroke, row.start_s, row.footprints) for row in table.rows] == [(1, 0.2, 3)]
 
 
