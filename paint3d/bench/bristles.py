@@ -135,8 +135,8 @@ def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
     painter.dip()
     painter.replay(recording.part(0, len(recording) - 1))
     before = make_stamp()
-    for kept, last in zip(before, painter.stamp, strict=True):
-        kept[:] = last
+    for copy, last in zip(before, painter.stamp, strict=True):
+        copy[:] = last
     painter.dip()
     painter.replay(recording)
     stamps = (before, painter.stamp)
@@ -162,8 +162,8 @@ def measure(scale: float = 1.0) -> Result:
         bends = {name: HairBend(n, p) for name, p in (("plane", bt.FLAT), ("curved", _CURVED))}
         for bend in bends.values():
             bend.run(1)
-        found = alternate(rounds, {name: partial(bend.run, times) for name, bend in bends.items()})
-        plane, curved = (1e3 * found[name].cpu_s / times for name in ("plane", "curved"))
+        best = alternate(rounds, {name: partial(bend.run, times) for name, bend in bends.items()})
+        plane, curved = (1e3 * best[name].cpu_s / times for name in ("plane", "curved"))
         rows.append([n, plane, curved, curved / plane, 1e6 * plane / n])
         if n in _WANTED_MS:
             checks.append(Check(f"{n:,} hairs on a plane", plane, _WANTED_MS[n], unit="ms"))

@@ -30,7 +30,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 __all__ = ["measure", "measure_scaling", "time_dabs"]
 
 _DABS = 1020  # at a million vertices
-_SHORT = 2  # dabs of the stroke that tells the cost of pen-down
+_SHORT = 2  # dabs of the stroke from which the cost of pen-down is computed
 _ROUNDS = 5
 _COVERS = (2_000, 20_000)
 _MOST_PEN_DOWN_MS = 1.0
@@ -78,8 +78,8 @@ def time_dabs(surface: PaintedSurface, dab: Dab, recording: Recording, rounds: i
     best: dict[int, LiveTimes] = {}
     for _ in range(rounds):
         for size, stroke in strokes.items():
-            found = play(painter, stroke)
-            best[size] = best[size].best(found) if size in best else found
+            times = play(painter, stroke)
+            best[size] = best[size].best(times) if size in best else times
     after = painter.report()
     steps = rounds * (n + short)
 
@@ -160,15 +160,15 @@ def measure_scaling(scale: float = 1.0) -> Result:
     best: dict[int, LiveTimes] = {}
     for _ in range(_SIZE_ROUNDS + 1):
         for i, (painter, stroke) in enumerate(zip(painters, strokes, strict=True)):
-            found = play(painter, stroke)
-            best[i] = found.best(best[i]) if i in best else found
+            times = play(painter, stroke)
+            best[i] = times.best(best[i]) if i in best else times
     rows = []
-    for painter, found in zip(painters, best.values(), strict=True):
+    for painter, times in zip(painters, best.values(), strict=True):
         counts = painter.report()
         each = counts["footprints"] / (_SIZE_ROUNDS + 1)
         rows.append(
             [painter.surface.n_vertices, each, counts["vertices_visited"] / counts["footprints"],
-             1e6 * found.whole.wall_s / each, 1e6 * found.whole.cpu_s / each]
+             1e6 * times.whole.wall_s / each, 1e6 * times.whole.cpu_s / each]
         )  # fmt: skip
     for row in rows:
         row.append(row[4] / rows[0][4])

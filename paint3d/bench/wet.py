@@ -102,13 +102,13 @@ class _Hand:
 
     def _spend(self, work: Callable[[], _Found]) -> _Found:
         before = time.process_time()
-        found = work()
+        result = work()
         self.now += time.process_time() - before
-        return found
+        return result
 
 
 def _stroke(k: int, start_s: float) -> list[DeviceSample]:
-    """One of the strokes: five in a row, pressed and lifted."""
+    """Make stroke k of five in a row, pressed and lifted, from a time, s."""
     n = round(_STROKE_S * _RATE_HZ)
     t = np.linspace(0.0, 1.0, n)
     x = -80.0 + _STEP_MM * (k % _IN_A_ROW) + _LENGTH_MM * t

@@ -213,7 +213,7 @@ def forbid_opening() -> None:
 
 
 def inherit_file(descriptor: int) -> tuple[int, dict[str, Any]]:
-    """Let a child inherit an open file.
+    """Make an open file inheritable by a child process.
 
     Returns
     -------

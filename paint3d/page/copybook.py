@@ -203,8 +203,8 @@ def _plan(text: str, source: GlyphSource, brush: str, em_mm: float) -> list[AnyA
     ends = np.flatnonzero(down[1:] != down[:-1]).reshape(-1, 2)
     strokes = []
     for first, last in ends:
-        kept = np.unique([*range(first, last, _EVERY), last - 1])
-        seconds = (written.time_ns[kept] - written.time_ns[first]) * 1e-9
-        rows = [seconds, written.position[kept], written.orientation[kept], written.pressure[kept]]
+        ids = np.unique([*range(first, last, _EVERY), last - 1])
+        seconds = (written.time_ns[ids] - written.time_ns[first]) * 1e-9
+        rows = [seconds, written.position[ids], written.orientation[ids], written.pressure[ids]]
         strokes.append(np.column_stack(rows))
     return strokes

@@ -45,7 +45,7 @@ def seal_table(text: str) -> Table:
     strokes: list[int] = []
     lengths: list[int] = []
     points: list[AnyArray] = [np.empty((0, 2), np.int16)]
-    kept = []
+    available = []
     for one in characters:
         try:
             lines = [_simplified(stroke.line) for stroke in load_lines(folder, one)]
@@ -53,11 +53,11 @@ def seal_table(text: str) -> Table:
             if text != EVERY:
                 raise
             continue
-        kept.append(one)
+        available.append(one)
         strokes.append(len(lines))
         lengths += map(len, lines)
         points += lines
-    words = {"licence": source.licence, "units": EM_UNITS, "characters": "".join(kept)}
+    words = {"licence": source.licence, "units": EM_UNITS, "characters": "".join(available)}
     return words, {
         "strokes": np.array(strokes, np.uint8),
         "lengths": np.array(lengths, np.uint8),

@@ -639,7 +639,7 @@ class Painter:
     def rest(
         self, last_ns: int, seconds: float, progress: Callable[[float], None] | None = None
     ) -> None:
-        """Let the ink of a wet replay go on spreading and drying.
+        """Continue to spread and dry the ink of a wet replay.
 
         Parameters
         ----------
