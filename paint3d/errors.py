@@ -1,7 +1,7 @@
 """Every exception that paint3d raises on purpose.
 
     Paint3DError                 catch this to catch them all
-    |-- InputError               something handed in is wrong: what, where, what was expected
+    |-- InputError               an argument or a file is wrong: what, where, what was expected
     |   |-- MeshError            a mesh file or mesh arrays
     |   |-- RecordingError       a recording
     |   |-- SessionError         a saved session, or a journal
@@ -11,12 +11,12 @@
     |   |-- LayerError           a layer that takes no paint as it is
     |   `-- UnknownNameError     a name that is not among the known ones
     |-- DeviceError              a device, its reports or its driver
-    |   `-- PermissionNeededError   it is plugged in and may not be opened: which node, and the rule
+    |   `-- PermissionNeededError   it is plugged in and may not be opened; the udev rule to add
     |-- ExportError              a result that could not be written
     `-- KernelError              a hot loop that is not compiled, and cannot be
 
-The command line turns each of them into one line on stderr and exit status 2. What an error says is
-a `Message`: a template and its fields, which the studio's window says in the language of its user.
+The command line turns each of them into one line on stderr and exit status 2. An error's text is a
+`Message`: a template and its fields, which the studio's window shows in the language of its user.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ __all__ = [
 
 
 class Message(str):
-    """English for people, which keeps what it was made of, so that it can be said in a language.
+    """An English text that keeps its template and fields, so that it can be translated.
 
     Parameters
     ----------
@@ -55,15 +55,15 @@ class Message(str):
     plural : str, optional
         The template for a field `n` other than 1.
     **fields
-        What the template names. An error stands for its own message, one of the system for its
-        reason; of what is neither text, number nor message, the text is kept.
+        What the template names. An exception stands for its message, one of the system for its
+        reason; what is neither text, number nor message is stored as text.
 
     Attributes
     ----------
     text, plural : str
-        By which catalogues know it.
+        Its keys in the catalogues of translations.
     fields : dict
-        Of texts, numbers and messages.
+        Texts, numbers and messages by name.
 
     Examples
     --------
@@ -76,33 +76,33 @@ class Message(str):
     fields: dict[str, Any]
 
     def __new__(cls, text: str, plural: str = "", /, **fields: object) -> Self:
-        """Put the fields in."""
-        told = {name: _told(value) for name, value in fields.items()}
-        template = plural if plural and told["n"] != 1 else text
-        self = super().__new__(cls, template.format(**told) if told else template)
+        """Format the template with its fields."""
+        values = {name: _printable(value) for name, value in fields.items()}
+        template = plural if plural and values["n"] != 1 else text
+        self = super().__new__(cls, template.format(**values) if values else template)
         self.text, self.plural = text, plural
-        self.fields = {name: _plain(value) for name, value in told.items()}
+        self.fields = {name: _storable(value) for name, value in values.items()}
         return self
 
-    def to_words(self) -> dict[str, Any]:
-        """All that it is made of, as JSON can hold it."""
-        fields = {k: v.to_words() if isinstance(v, Message) else v for k, v in self.fields.items()}
+    def to_json(self) -> dict[str, Any]:
+        """Return template, fields and text, ready for JSON."""
+        fields = {k: v.to_json() if isinstance(v, Message) else v for k, v in self.fields.items()}
         return {"text": self.text, "plural": self.plural, "fields": fields, "said": str(self)}
 
     @classmethod
-    def from_words(cls, words: Mapping[str, Any]) -> Message:
-        """What `to_words` wrote down."""
-        self = cls(words["said"])
-        self.text, self.plural = words["text"], words["plural"]
+    def from_json(cls, stored: Mapping[str, Any]) -> Message:
+        """Make the message that `to_json` returned."""
+        self = cls(stored["said"])
+        self.text, self.plural = stored["text"], stored["plural"]
         self.fields = {
-            name: cls.from_words(value) if isinstance(value, dict) else value
-            for name, value in words["fields"].items()
+            name: cls.from_json(value) if isinstance(value, dict) else value
+            for name, value in stored["fields"].items()
         }
         return self
 
 
-def _told(value: object) -> object:
-    """What a field says: of errors their message."""
+def _printable(value: object) -> object:
+    """Return a field's value as it is formatted: of an exception its message, on one line."""
     if isinstance(value, Paint3DError):
         return value.message
     if isinstance(value, OSError):
@@ -110,8 +110,8 @@ def _told(value: object) -> object:
     return " ".join(str(value).split()) if isinstance(value, BaseException) else value
 
 
-def _plain(value: Any) -> object:
-    """The same as a number, text or message."""
+def _storable(value: Any) -> object:
+    """Return a field's value as a number, text or message."""
     if getattr(value, "shape", None) == () and hasattr(value, "dtype"):  # a scalar of NumPy
         value = value.item()
     return value if isinstance(value, Message | str | int | float | None) else str(value)
@@ -126,8 +126,8 @@ class Paint3DError(Exception):
         A template, or an error whose message this one takes over.
     plural : str, optional
     hint : str
-        What to do about it, for whoever types commands: an option, a package to install. By default
-        that of an error among the fields.
+        What to do about it on the command line: an option, a package to install. By default that of
+        an error among the fields.
     **fields
         See `Message`.
     """
@@ -141,9 +141,9 @@ class Paint3DError(Exception):
         hint: str = "",
         **fields: object,
     ) -> None:
-        told = text.message if isinstance(text, Paint3DError) else text
-        is_made = isinstance(told, Message) and not fields
-        super().__init__(told if is_made else Message(told, plural, **fields))
+        template = text.message if isinstance(text, Paint3DError) else text
+        is_formatted = isinstance(template, Message) and not fields
+        super().__init__(template if is_formatted else Message(template, plural, **fields))
         causes = [one for one in (text, *fields.values()) if isinstance(one, Paint3DError)]
         self.hint: str = hint or next((cause.hint for cause in causes if cause.hint), "")
 
@@ -155,13 +155,13 @@ class Paint3DError(Exception):
 
     @property
     def message(self) -> Message:
-        """What happened, where, and what was expected."""
-        said: Message = self.args[0]
-        return said
+        """The text: what happened, where, and what was expected."""
+        message: Message = self.args[0]
+        return message
 
 
 class InputError(Paint3DError, ValueError):
-    """Input that cannot be used: what was got, where, and what was expected."""
+    """Input that cannot be used; the message says what was got, where, and what was expected."""
 
 
 class MeshError(InputError):
@@ -198,22 +198,19 @@ class UnknownNameError(InputError):
     def __init__(self, kind: str, name: str, known: Iterable[str]) -> None:
         names = sorted(known)
         near = difflib.get_close_matches(name, names, n=1, cutoff=0.6)
-        kind, every = kind if isinstance(kind, Message) else Message(kind), ", ".join(names)
+        fields = {
+            "kind": kind if isinstance(kind, Message) else Message(kind),
+            "name": name,
+            "known": ", ".join(names),
+        }
         super().__init__(
             Message(
                 "unknown {kind} {name!r}: did you mean {near!r}? expected one of {known}",
-                kind=kind,
-                name=name,
                 near=near[0],
-                known=every,
+                **fields,
             )
             if near
-            else Message(
-                "unknown {kind} {name!r}: expected one of {known}",
-                kind=kind,
-                name=name,
-                known=every,
-            )
+            else Message("unknown {kind} {name!r}: expected one of {known}", **fields)
         )
 
 

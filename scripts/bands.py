@@ -30,13 +30,13 @@ GAMBOGE, CLOUD = 6.0, 0.12  # K below the edge and S, per coat
 
 
 def indigo() -> tuple[NDArray, NDArray]:
-    """Relative K and S (31,)."""
+    """Compute relative K and S (31,)."""
     apart = 1e7 / np.asarray(WAVELENGTHS) - 1e7 / MOST_NM
     band = np.exp(-4.0 * np.log(2.0) * (apart / np.where(apart < 0.0, TO_RED, TO_GREEN)) ** 2)
     return band + GREY, np.full(band.shape, SCATTERING)
 
 
 def gamboge() -> tuple[NDArray, NDArray]:
-    """K and S (31,) per coat."""
+    """Compute K and S (31,) per coat."""
     below = 1.0 / (1.0 + np.exp((np.asarray(WAVELENGTHS) - EDGE_NM) / EDGE_WIDTH_NM))
     return GAMBOGE * below, np.full(below.shape, CLOUD)

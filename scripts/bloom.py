@@ -50,7 +50,7 @@ FRONT_SPACING = 0.15
 
 
 def sheet(width: float, height: float, spacing: float) -> TriangleMesh:
-    """A flat sheet (mm) around the origin."""
+    """Make a flat sheet (mm) around the origin."""
     x, y = (np.linspace(-s / 2, s / 2, round(s / spacing) + 1) for s in (width, height))
     k = np.arange(len(x) * len(y)).reshape(len(y), len(x))
     a, b, c, d = (part.ravel() for part in (k[:-1, :-1], k[:-1, 1:], k[1:, 1:], k[1:, :-1]))
@@ -58,25 +58,25 @@ def sheet(width: float, height: float, spacing: float) -> TriangleMesh:
     return TriangleMesh(points.astype(np.float32), np.vstack([np.c_[a, b, c], np.c_[a, c, d]]))
 
 
-def lay(surface: PaintedSurface, share: NDArray[np.float64], inks: dict[str, float]) -> None:
+def lay(surface: PaintedSurface, coverage: NDArray[np.float64], inks: dict[str, float]) -> None:
     """Lay coats of inks where `share` (V,) of a vertex is covered."""
-    ids = np.flatnonzero(share > 0.0).astype(np.int32)
+    ids = np.flatnonzero(coverage > 0.0).astype(np.int32)
     for name, coats in inks.items():
         column = surface.column_of(load_pigment(name))
-        surface.ink.amounts[ids, column] += (coats * share[ids]).astype(np.float32)
-    surface.ink.coverage[ids] = share[ids]
+        surface.ink.amounts[ids, column] += (coats * coverage[ids]).astype(np.float32)
+    surface.ink.coverage[ids] = coverage[ids]
     surface.touch(ids)
 
 
 def ink_of(surface: PaintedSurface) -> NDArray[np.float64]:
-    """(V,) coats, wet and dry together."""
+    """Sum wet and dry ink at each vertex (V,), coats."""
     ink = surface.amounts.sum(axis=1).astype(float)
     ink[surface.dry_layers.vertex_ids] += surface.dry_layers.amounts.sum(axis=1)
     return ink
 
 
 def wet_of(surface: PaintedSurface) -> NDArray[np.bool_]:
-    """(V,) whether there is water."""
+    """Return which vertices (V,) are wet."""
     ids, depth = surface.flow.depths()
     wet = np.zeros(surface.n_vertices, bool)
     wet[ids] = depth > 0.0
@@ -84,7 +84,7 @@ def wet_of(surface: PaintedSurface) -> NDArray[np.bool_]:
 
 
 def outline(points: NDArray[np.float32], shown: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """Distance to the farthest shown point in each direction (TURNS,), mm."""
+    """Measure the distance to the farthest shown point in each direction (TURNS,), mm."""
     own = points[shown]
     turn = (np.arctan2(own[:, 1], own[:, 0]) / (2.0 * np.pi) * TURNS).astype(int) % TURNS
     reach = np.zeros(TURNS)
@@ -94,7 +94,7 @@ def outline(points: NDArray[np.float32], shown: NDArray[np.bool_]) -> NDArray[np
 
 
 def hurst(reach: NDArray[np.float64]) -> float:
-    """Power with which an outline's differences grow with the way along it."""
+    """Fit the exponent with which an outline's differences grow with the distance along it."""
     per_mm = TURNS / (2.0 * np.pi * reach.mean())
     steps = np.unique(np.geomspace(0.6 * per_mm, 2.4 * per_mm, 8).astype(int))
     rms = [np.sqrt(((np.roll(reach, k) - reach) ** 2).mean()) for k in steps]
@@ -102,20 +102,20 @@ def hurst(reach: NDArray[np.float64]) -> float:
 
 
 def power_of(times: tuple[float, ...], lengths: list[float]) -> float:
-    """Power with which lengths grow with time."""
+    """Fit the exponent with which lengths grow with time."""
     return float(np.polyfit(np.log(times), np.log(lengths), 1)[0])
 
 
 def measure_drop(
-    material: str, spacing: float, share: float, ink: str = "pine soot"
+    material: str, spacing: float, fraction: float, ink: str = "pine soot"
 ) -> list[float]:
-    """The figures of a drop, in the order of NAMES."""
+    """Measure the figures of a drop, in the order of NAMES."""
     surface = PaintedSurface(sheet(20.0, 20.0, spacing), None, material)
     points, areas = surface.paint_mesh.vertices, surface.vertex_areas
     away = np.linalg.norm(points[:, :2], axis=1)
     covered = np.clip((RADIUS - away) / 0.5 + 0.5, 0.0, 1.0)
     scale = COATS * np.pi * RADIUS**2 / (covered @ areas)
-    lay(surface, covered, {ink: share * scale, "water": (1.0 - share) * scale})
+    lay(surface, covered, {ink: fraction * scale, "water": (1.0 - fraction) * scale})
 
     def disc(marked: NDArray[np.bool_]) -> float:
         return float(np.sqrt(areas[marked].sum() / np.pi))
@@ -145,19 +145,19 @@ def measure_drop(
     return [*figures, hurst(all_ink), float(in_halo)]
 
 
-def compare_inks(material: str, spacing: float, share: float) -> None:
+def compare_inks(material: str, spacing: float, fraction: float) -> None:
     """Print a line of OF_INKS for each ink of the palette."""
     for name in pigment_names():
-        figures = measure_drop(material, spacing, share, name)
+        figures = measure_drop(material, spacing, fraction, name)
         water, ink, halo, _, rim = figures[:5]
         own = load_pigment(name)
-        found = own.fine, own.grain_um, water, ink, halo, rim, figures[-1]
-        shown = (f"{x:.3g}" for x in found)
+        row = own.fine, own.grain_um, water, ink, halo, rim, figures[-1]
+        shown = (f"{x:.3g}" for x in row)
         print(material, name, *shown, sep=",", flush=True)
 
 
 def measure_strip(material: str, spacing: float) -> float:
-    """Power with which water goes along a strip that drinks from a pool at its end."""
+    """Fit the exponent with which water advances along a strip that drinks from a pool."""
     surface = PaintedSurface(sheet(40.0, 4.0, spacing), None, material)
     points = surface.paint_mesh.vertices
     lay(surface, (points[:, 0] < -14.0).astype(float), {"water": 60.0})
@@ -171,17 +171,17 @@ def measure_strip(material: str, spacing: float) -> float:
 
 
 def front_widths(
-    material: str, spacing: float, wide: float = 45.0, places: tuple[float, ...] = (0.0, 37.0)
+    material: str, spacing: float, wide: float = 45.0, heights: tuple[float, ...] = (0.0, 37.0)
 ) -> NDArray[np.float64]:
-    """Deviation of a front within each of WINDOWS (7,), mm, over sheets at several places in z."""
+    """Measure the deviation of a front within each of WINDOWS (7,), mm, over several sheets."""
     squares = []
-    for z in places:
+    for z in heights:
         flat = sheet(wide, 14.0, spacing)
         moved = flat.vertices + np.array([0.0, 0.0, z], np.float32)
         surface = PaintedSurface(TriangleMesh(moved, flat.faces), None, material)
         x, y, _ = surface.paint_mesh.vertices.T
-        share = (y < -4.0).astype(float)
-        lay(surface, share, {"pine soot": 0.1 * COATS, "water": 0.9 * COATS})
+        coverage = (y < -4.0).astype(float)
+        lay(surface, coverage, {"pine soot": 0.1 * COATS, "water": 0.9 * COATS})
         surface.diffuse(20.0)
         wet = wet_of(surface)
         column = np.rint((x + wide / 2) / spacing).astype(int)
@@ -195,7 +195,7 @@ def front_widths(
 
 
 def measure_front(material: str, spacing: float = FRONT_SPACING) -> list[float]:
-    """Exponent of a front's roughness, and its deviation within the largest window, mm."""
+    """Fit the exponent of a front's roughness; return it and its largest deviation, mm."""
     widths = front_widths(material, spacing)
     exponent = power_of(WINDOWS, list(widths)) if widths.min() > 0.25 * spacing else float("nan")
     return [exponent, float(widths[-1])]

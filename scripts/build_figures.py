@@ -106,8 +106,8 @@ def draw_spheres() -> plt.Figure:
     tuft = build_tuft(spec)
     figure, rows = plt.subplots(2, 4, figsize=(11, 6.5), layout="constrained")
     for axes_row, tilt in zip(rows, (UPRIGHT, np.radians(60)), strict=True):
-        for axes, share in zip(axes_row, (0.02, 0.2, 0.35, 0.5), strict=True):
-            descent = share * spec.length_mm
+        for axes, fraction in zip(axes_row, (0.02, 0.2, 0.35, 0.5), strict=True):
+            descent = fraction * spec.length_mm
             pe = min(1.0, descent / tuft.full_press)
             spine = np.zeros((3, STATIONS))
             trace_spine(tuft, descent, tilt, spine)
@@ -143,18 +143,18 @@ def draw_ink() -> plt.Figure:
     mesh = paint3d.load_mesh("plane")
     for pressure in (0.2, 0.4, 0.8):
         colour = plt.cm.viridis(pressure)
-        ways = np.linspace(20.0, 180.0, 5)
-        shares = []
-        for way in ways:
+        lengths = np.linspace(20.0, 180.0, 5)
+        fractions = []
+        for length in lengths:
             surface = paint3d.PaintedSurface(mesh, resolution=1.0)
             painter = paint3d.Painter(surface, brush="full")
-            painter.replay(straight_stroke(pressure, way))
+            painter.replay(straight_stroke(pressure, length))
             ledger = painter.report()["ink_ledger"]
-            shares.append(ledger["in_brush"] / ledger["loaded"])
+            fractions.append(ledger["in_brush"] / ledger["loaded"])
         rate = load_brush("full").transfer_per_mm
         line = np.linspace(0.0, 180.0, 100)
         left.plot(line, np.exp(-rate * pressure * line), color=colour, label=f"pe = {pressure:g}")
-        left.plot(ways, shares, "o", color=colour)
+        left.plot(lengths, fractions, "o", color=colour)
     left.set(
         xlabel="way, mm", ylabel="share left in the brush", title="painted (dots), exp(-η' pe s)"
     )
@@ -169,7 +169,9 @@ def draw_ink() -> plt.Figure:
 
 def presses(depths: tuple[float, ...], apart_mm: float) -> Recording:
     """Upright presses side by side on a pad, down and up again."""
-    rows = [(apart_mm * (k - 1), share * pe) for k, pe in enumerate(depths) for share in (0, 1, 0)]
+    rows = [
+        (apart_mm * (k - 1), fraction * pe) for k, pe in enumerate(depths) for fraction in (0, 1, 0)
+    ]
     n = len(rows)
     position = np.array([[x, 0.0, 0.0] for x, _ in rows])
     position[:, 2] = 30.0

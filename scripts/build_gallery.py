@@ -49,13 +49,13 @@ def main(arguments: list[str] | None = None) -> int:
 def find_pictures() -> dict[str, Callable[[Path, Path], None]]:
     """Functions (file to write, folder of glyphs) by the names of their pictures."""
     sys.path.insert(0, str(HERE / "gallery"))
-    found = {}
+    pictures = {}
     for file in sorted((HERE / "gallery").glob("[a-z]*.py")):
         spec = importlib.util.spec_from_file_location(file.stem, file)
         module = importlib.util.module_from_spec(spec)
         spec.loader.exec_module(module)
-        found.update(getattr(module, "PICTURES", {}))
-    return found
+        pictures.update(getattr(module, "PICTURES", {}))
+    return pictures
 
 
 def shrink(file: Path) -> None:

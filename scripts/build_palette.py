@@ -215,7 +215,7 @@ def scale_to_depth(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
 
 
 def drawdown_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
-    """K and S per drawdown, by the name of the paint."""
+    """Read K and S per drawdown, by the name of the paint."""
     data = without_gloss(read_drawdowns(path))
     log_ks, _ = fit(data, (0.0, 0.0), pulls=(0.005, 0.005, 0.0))
     k, s = np.exp(log_ks).transpose(1, 2, 0)
@@ -223,13 +223,13 @@ def drawdown_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
 
 
 def kimera_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
-    """Relative K and S, by the name of the paint, not scaled."""
+    """Read relative K and S, by the name of the paint, unscaled."""
     with path.open(newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
 
     def read(name: str) -> tuple[NDArray, NDArray]:
-        found = [row for row in rows if row["pigment"] == name]
-        table = {float(r["wavelength_nm"]): (r["K_rel"], r["S_rel_to_white"]) for r in found}
+        matches = [row for row in rows if row["pigment"] == name]
+        table = {float(r["wavelength_nm"]): (r["K_rel"], r["S_rel_to_white"]) for r in matches}
         k, s = np.array([table[nm] for nm in WAVELENGTHS], dtype=float).T
         return k, s
 
@@ -237,7 +237,7 @@ def kimera_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
 
 
 def usgs_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
-    """K/S of an opaque layer and S = 1, by the name of the column."""
+    """Read K/S of an opaque layer, with S = 1, by the name of the column."""
     with path.open(newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
 
@@ -250,7 +250,7 @@ def usgs_reader(path: Path) -> Callable[[str], tuple[NDArray, NDArray]]:
 
 
 def palette_rows(folder: Path) -> list[list[str]]:
-    """All rows of the table: inks first."""
+    """Make all rows of the table, inks first."""
     readers = {
         "drawdown": drawdown_reader(folder / "drawdowns.csv"),
         "kimera": kimera_reader(folder / "kimera_relative_KS.csv"),
@@ -275,7 +275,7 @@ def palette_rows(folder: Path) -> list[list[str]]:
 
 
 def _computed_row(folder: Path, name: str, chinese: str, stone: str, number: int) -> list[str]:
-    """A grade of a stone, or a dye."""
+    """Make the row of a grade of a stone, or of a dye."""
     if not stone:
         k, s = scale_to_depth(*indigo()) if name == "indigo" else gamboge()
         return _row(name, chinese, *BANDS[name], "MIT", k, s)

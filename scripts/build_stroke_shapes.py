@@ -87,7 +87,7 @@ def gather(folder: Path) -> dict[str, list[dict]]:
 
 
 def same_character(glyph: Glyph, lines: list) -> bool:
-    """Whether all strokes run alike in both sources, both scaled to one box."""
+    """Return whether all strokes agree in both sources, both scaled to one box."""
     if len(glyph.strokes) != len(lines):
         return False
     boxes = []
@@ -139,7 +139,7 @@ def body_half_width(polygon: Polygon, segments: list) -> float | None:
 
 
 def extent(polygon: Polygon, segment, half: float, end: bool) -> float:
-    """How far (units) the shape goes on beyond a segment's end."""
+    """Measure how far (units) the shape extends beyond a segment's end."""
     steps = np.linspace(0.0, REACH * half, 25)
     lo, _ = sections(polygon, segment, segment.length + steps if end else -steps, half)
     gone = np.flatnonzero(~np.isfinite(lo))
@@ -147,7 +147,7 @@ def extent(polygon: Polygon, segment, half: float, end: bool) -> float:
 
 
 def sections(polygon: Polygon, segment, distances: NDArray, half: float) -> tuple[NDArray, NDArray]:
-    """Where sections across one leave the shape to the right (lo) and left (hi), half widths."""
+    """Measure where sections across a line leave the shape to both sides, half widths."""
     points, lefts = segment.at(distances)
     lo, hi = np.full(len(points), np.nan), np.full(len(points), np.nan)
     aside = REACH * half * lefts

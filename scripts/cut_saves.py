@@ -30,7 +30,7 @@ from paint3d.files.project.session import Session, load_session, save_session
 from paint3d.surface.painted_surface import PaintedSurface
 from scripts.solids import make_plane
 
-__all__ = ["cut_everywhere", "make_session", "survives_full_disk", "traces"]
+__all__ = ["cut_everywhere", "survives_full_disk", "traces"]
 
 TRACE_ME, NEXT_CALL, SET_OPTIONS = 0, 24, 0x4200
 MARK_CALLS, DIE_WITH_PARENT = 1, 0x100000
@@ -39,7 +39,7 @@ _libc = ctypes.CDLL(None, use_errno=True)
 
 
 def make_session(coats: float) -> Session:
-    """A small session with wet and dry paint, and a recording."""
+    """Make a small session with wet and dry paint, and a recording."""
     surface = PaintedSurface(make_plane(), resolution=None)
     column = surface.column_of(load_pigment("pine soot"))
     for k in (3, 5):
@@ -91,7 +91,7 @@ def run_until_call(action: Callable[[], object], n: int) -> bool:
 
 
 def traces() -> bool:
-    """Whether children can be traced here."""
+    """Return whether children can be traced here."""
     try:
         return run_until_call(lambda: None, 1000)
     except (RuntimeError, OSError):
@@ -114,9 +114,9 @@ def cut_everywhere(folder: Path) -> tuple[int, int]:
     before = target.read_bytes()
     calls = left_old = 0
     while not run_until_call(lambda: save_session(new, target), calls):
-        found = target.read_bytes()
-        assert found in (before, after), f"a file of {len(found)} bytes after call {calls}"
-        left_old += found == before
+        content = target.read_bytes()
+        assert content in (before, after), f"a file of {len(content)} bytes after call {calls}"
+        left_old += content == before
         for other in folder.iterdir():
             if other != target:
                 other.unlink()

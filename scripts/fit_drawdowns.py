@@ -87,18 +87,18 @@ class Drawdowns:
 
     @property
     def volumes(self) -> NDArray:
-        """Fractions of volume (M, P), which masses over densities are."""
+        """Fractions by volume (M, P), from masses and densities."""
         parts = self.fractions / [density(name) for name in self.paints]
         return parts / parts.sum(axis=1, keepdims=True)
 
     def without(self, samples: NDArray) -> Drawdowns:
-        """The same without some samples."""
+        """Return the table without some samples."""
         keep = ~np.isin(np.arange(len(self.fractions)), samples)
         return Drawdowns(self.paints, self.fractions[keep], self.charts[keep], self.films[keep])
 
 
 def density(name: str) -> float:
-    """Density of a paint in g/cm3: of its pigment, and the oil that it takes up."""
+    """Compute the density of a paint, g/cm3, from its pigment and the oil that it takes up."""
     pigment, oil = OILS[name]
     return 1.0 / ((1.0 - oil) / pigment + oil / OIL_DENSITY)
 
@@ -121,7 +121,7 @@ def read_drawdowns(path: Path) -> Drawdowns:
 
 
 def without_gloss(data: Drawdowns) -> Drawdowns:
-    """The same without what surfaces throw back outside: .04, or nine tenths of the darkest band.
+    """Subtract the gloss of surfaces: .04, or nine tenths of the darkest band.
 
     The films were measured with their gloss: none of 34 but the ultramarines' falls below .039 at
     any wavelength, which is what a smooth surface of index 1.5 reflects.
@@ -272,7 +272,7 @@ def left_out_differences(data: Drawdowns, gloss, folds: int) -> tuple[NDArray, N
     Samples are dealt to the folds in the table's order. One whose paint occurs nowhere else among
     what is left cannot be predicted, and is not counted.
     """
-    which, found = [], []
+    which, apart_of = [], []
     for fold in range(folds):
         out = np.arange(fold, len(data.fractions), folds)
         rest = data.without(out)
@@ -280,12 +280,12 @@ def left_out_differences(data: Drawdowns, gloss, folds: int) -> tuple[NDArray, N
         for sample in out:
             if (rest.fractions[:, data.fractions[sample] > 0].sum(axis=0) > 0).all():
                 which.append(sample)
-                found.append(apart[sample])
-    return np.array(which), np.array(found)
+                apart_of.append(apart[sample])
+    return np.array(which), np.array(apart_of)
 
 
 def _paints_recur(data: Drawdowns, sample: int) -> bool:
-    """Whether every paint of a mixture occurs in another mixture too."""
+    """Return whether every paint of a mixture occurs in another mixture too."""
     mixtures = data.fractions[(data.fractions > 0).sum(axis=1) > 1] > 0
     return bool((mixtures.sum(axis=0)[data.fractions[sample] > 0] > 1).all())
 

@@ -80,11 +80,11 @@ FRACTIONS = (("1B", 3.0), ("2B", 30.0), ("3B", 140.0), ("4B", 600.0))
 
 @lru_cache(maxsize=64)
 def strengths(index: float, size_um: float, around: float) -> tuple[NDArray, NDArray]:
-    """K and S (24,) per um of solid stone, over the imaginary part of the index `ABSORBED`."""
+    """Compute K and S (24,) per um of solid stone, by the imaginary index `ABSORBED`."""
     at = np.linspace(-2.0, 2.0, 7)
-    shares = np.exp(-0.5 * at**2) / np.exp(-0.5 * at**2).sum()
+    weights = np.exp(-0.5 * at**2) / np.exp(-0.5 * at**2).sum()
     k, s = np.zeros(len(ABSORBED)), np.zeros(len(ABSORBED))
-    for diameter, part in zip(size_um * np.exp(SPREAD * at), shares, strict=True):
+    for diameter, part in zip(size_um * np.exp(SPREAD * at), weights, strict=True):
         for i, absorbed in enumerate(ABSORBED):
             size = np.pi * diameter * 1e3 * around / GREEN_NM
             extinct, scattered, g = efficiencies(complex(index, absorbed) / around, size)
@@ -95,25 +95,25 @@ def strengths(index: float, size_um: float, around: float) -> tuple[NDArray, NDA
 
 
 def ratio_of(reflectance: NDArray) -> NDArray:
-    """K/S of an opaque layer."""
+    """Compute K/S of an opaque layer."""
     return (1.0 - reflectance) ** 2 / (2.0 * reflectance)
 
 
 def absorption(index: float, size_um: float, reflectance: NDArray) -> NDArray:
-    """Imaginary part of the index (31,) with which a powder in air reflects so."""
+    """Find the imaginary index (31,) with which a powder in air has this reflectance."""
     k, s = strengths(index, size_um, 1.0)
     return np.exp(np.interp(np.log(ratio_of(reflectance)), np.log(k / s), np.log(ABSORBED)))
 
 
 def at_faces(stone: Stone, powder: Callable[[str], NDArray]) -> float:
-    """Reflectance of the grains' faces in air, beyond that of spheres that let nothing through."""
+    """Compute the reflectance of the grains' faces in air, beyond that of opaque spheres."""
     k, s = strengths(stone.index, stone.powders[0][1], 1.0)
     black = float(layer_reflectance(k[-1], s[-1], 1e9, 0.0))
     return 0.9 * float(powder(stone.coarsest).min() - black)
 
 
 def stone_absorption(stone: Stone, powder: Callable[[str], NDArray]) -> NDArray:
-    """Imaginary part of a stone's index (31,): of its first powder's strength at 550 nm."""
+    """Compute a stone's imaginary index (31,): of its first powder's strength at 550 nm."""
     faces = at_faces(stone, powder)
     logs = [
         np.log(absorption(stone.index, size, (powder(name) - faces) / (1.0 - faces)))
@@ -124,7 +124,7 @@ def stone_absorption(stone: Stone, powder: Callable[[str], NDArray]) -> NDArray:
 
 
 def grade(stone: Stone, size_um: float, powder: Callable[[str], NDArray]) -> tuple:
-    """K and S (31,) of paint, per um of solid stone, of grains of a size."""
+    """Compute K and S (31,) of paint, per um of solid stone, of grains of a size."""
     absorbed = np.log(stone_absorption(stone, powder))
     k, s = (np.log(of) for of in strengths(stone.index, size_um, LEAN))
     logs = np.log(ABSORBED)
@@ -132,7 +132,7 @@ def grade(stone: Stone, size_um: float, powder: Callable[[str], NDArray]) -> tup
 
 
 def powders(folder: Path) -> Callable[[str], NDArray]:
-    """Measured reflectance (31,) by the name of its column in usgs_reflectance.csv."""
+    """Read measured reflectances (31,) by their columns in usgs_reflectance.csv."""
     with (folder / "usgs_reflectance.csv").open(newline="", encoding="utf-8") as stream:
         rows = {float(row["wavelength_nm"]): row for row in csv.DictReader(stream)}
     return lambda name: np.array([float(rows[nm][name]) for nm in WAVELENGTHS])

@@ -40,7 +40,7 @@ TEXT = "永和"
 
 
 class Case(NamedTuple):
-    """A command: its words, and what it writes, in the folder in which it is run."""
+    """A command: its arguments, and the files that it writes in its folder."""
 
     words: tuple[str, ...]
     files: tuple[str, ...]
@@ -94,7 +94,7 @@ COMMANDS = {
 
 
 class Left(NamedTuple):
-    """What one command that was ended has left behind that it should not have."""
+    """Something that a terminated command left behind."""
 
     command: str
     signal: signal.Signals
@@ -110,7 +110,7 @@ def _environment(folder: Path) -> dict[str, str]:
 
 
 def _hear_all() -> None:
-    """Also where this script itself was started behind, or by nohup: what is ignored stays so."""
+    """Handle signals also if this script runs in the background: ignored ones are inherited."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
     signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
@@ -127,23 +127,23 @@ def _run(case: Case, folder: Path) -> subprocess.Popen[str]:
 
 
 def processes_of(folder: Path) -> list[str]:
-    """The command lines of the processes that were started from a folder's commands and live."""
-    found = []
-    for place in Path("/proc").iterdir():
-        if place.name.isdigit():
+    """List the command lines of living processes started from a folder's commands."""
+    commands = []
+    for folder_of in Path("/proc").iterdir():
+        if folder_of.name.isdigit():
             try:
-                if f"{MARK}={folder}".encode() in (place / "environ").read_bytes().split(b"\0"):
-                    words = (place / "cmdline").read_bytes().replace(b"\0", b" ").decode()
-                    found.append(words.strip())
+                if f"{MARK}={folder}".encode() in (folder_of / "environ").read_bytes().split(b"\0"):
+                    words = (folder_of / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+                    commands.append(words.strip())
             except OSError:
                 continue
-    return found
+    return commands
 
 
 def leftovers(folder: Path) -> list[str]:
-    """Temporary files beside results and among the system's."""
-    found = [*folder.iterdir(), *folder.glob("demo/*")]
-    beside = [str(entry.relative_to(folder)) for entry in found if entry.name.startswith(".")]
+    """List temporary files beside results and in the temporary folder."""
+    entries = [*folder.iterdir(), *folder.glob("demo/*")]
+    beside = [str(entry.relative_to(folder)) for entry in entries if entry.name.startswith(".")]
     return sorted(beside + [f"tmp/{entry.name}" for entry in (folder / "tmp").iterdir()])
 
 
@@ -170,14 +170,14 @@ def _wrong(
             yield f"{file} has {size} bytes; expected {len(OLD)} or {whole[file]}"
 
 
-def _told_badly(number: signal.Signals, status: int, told: str) -> bool:
-    """Whether a command that was ended says anything but that, or that it is finished."""
+def _is_bad_output(number: signal.Signals, status: int, output: str) -> bool:
+    """Return whether a terminated command prints anything but that, or that it is finished."""
     if number == signal.SIGKILL or status == -number:  # Python was still loading the program
         return False
     if status == 0:
-        return "Traceback" in told
+        return "Traceback" in output
     asked = "interrupted" if number == signal.SIGINT else "asked to end"
-    errors = [line for line in told.splitlines() if not line.startswith(TOLD)]
+    errors = [line for line in output.splitlines() if not line.startswith(TOLD)]
     return status != STATUS[number] or errors not in ([], [f"paint3d: error: {asked}"])
 
 
@@ -191,32 +191,32 @@ def _ended_once(name: str, folder: Path, left: Left, whole: dict[str, int]) -> I
     with suppress(ProcessLookupError):
         (os.killpg if left.to_all else os.kill)(running.pid, left.signal)
     try:
-        _, told = running.communicate(timeout=PATIENCE_S)
+        _, output = running.communicate(timeout=PATIENCE_S)
     except subprocess.TimeoutExpired:
         running.kill()
-        _, told = running.communicate()
+        _, output = running.communicate()
         yield left._replace(what="it did not end")
     took_s = time.monotonic() - began
     if took_s > ENDS_S:
         yield left._replace(what=f"it ended after {took_s:.1f} s")
-    if _told_badly(left.signal, running.returncode, told):
-        yield left._replace(what=f"status {running.returncode}: {told}")
+    if _is_bad_output(left.signal, running.returncode, output):
+        yield left._replace(what=f"status {running.returncode}: {output}")
     for what in _wrong(name, folder, left.signal, whole, before):
         yield left._replace(what=what)
 
 
 def _finished(name: str, folder: Path) -> float:
-    """Run a command to its end; how long it took, s."""
+    """Run a command to its end; return its duration, s."""
     began = time.monotonic()
     running = _run(COMMANDS[name], folder)
-    _, told = running.communicate()
+    _, output = running.communicate()
     if running.returncode:
-        sys.exit(f"{name}: {told}")
+        sys.exit(f"{name}: {output}")
     return time.monotonic() - began
 
 
 def ended_at_random(names: list[str], times: int, seed: int = 1) -> list[Left]:
-    """End each command so many times; return what was left."""
+    """Terminate each command repeatedly; return what was left behind."""
     chance, left = random.Random(seed), list[Left]()
     for name in names:
         folder = Path(tempfile.mkdtemp())
@@ -238,7 +238,7 @@ def ended_at_random(names: list[str], times: int, seed: int = 1) -> list[Left]:
 
 
 def main() -> None:
-    """End each command as often as the command line says, 20 times unless told; fail if it left."""
+    """End each command the given number of times; fail if one left something."""
     times = int(sys.argv[1]) if len(sys.argv) > 1 else 20
     seed = int(sys.argv[2]) if len(sys.argv) > 2 else 1
     n_left = 0

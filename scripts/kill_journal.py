@@ -3,7 +3,7 @@
     python scripts/kill_journal.py [TIMES]
 
 A child process appends samples at 1 kHz, ten at a time as a studio would, and is killed (SIGKILL)
-after a random while. What it was about to append is told through shared memory. The journal must
+after a random while. The time of the newest sample is in shared memory. The journal must
 open, and end at most 100 ms before that.
 """
 
@@ -30,8 +30,8 @@ ALLOWED_NS = 100_000_000
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 
 
-def paint(path: Path, told: mmap.mmap) -> None:
-    """Append samples for ever; `told` holds the time of the newest sample there is."""
+def paint(path: Path, newest_ns: mmap.mmap) -> None:
+    """Append samples for ever; `newest_ns` is set to the time of the newest one."""
     with Journal(path, {"brush": "full"}) as journal:
         start = time.monotonic_ns()
         n = 1
@@ -40,10 +40,10 @@ def paint(path: Path, told: mmap.mmap) -> None:
             for _ in range(BATCH):
                 while time.monotonic_ns() < start + n * STEP_NS:
                     time.sleep(STEP_NS * 1e-9)
-                told[:8] = (n * STEP_NS).to_bytes(8, "little")
-                place = np.array([n, 0.0, 0.0])
+                newest_ns[:8] = (n * STEP_NS).to_bytes(8, "little")
+                position = np.array([n, 0.0, 0.0])
                 batch.append(
-                    DeviceSample(n * STEP_NS, place, UPRIGHT, 0.5, 0, np.zeros(3), UPRIGHT)
+                    DeviceSample(n * STEP_NS, position, UPRIGHT, 0.5, 0, np.zeros(3), UPRIGHT)
                 )
                 n += 1
             journal.append(batch)
@@ -51,17 +51,17 @@ def paint(path: Path, told: mmap.mmap) -> None:
 
 def kill_once(path: Path, seconds: float) -> tuple[int, int]:
     """Return how many samples the journal holds, and the time that is lost, ns."""
-    told = mmap.mmap(-1, 8)
+    newest_ns = mmap.mmap(-1, 8)
     process = os.fork()
     if process == 0:
         try:
-            paint(path, told)
+            paint(path, newest_ns)
         finally:
             os._exit(1)
     time.sleep(seconds)
     os.kill(process, signal.SIGKILL)
     os.waitpid(process, 0)
-    newest = int.from_bytes(told[:8], "little")
+    newest = int.from_bytes(newest_ns[:8], "little")
     if newest <= BATCH * STEP_NS:  # killed before the first batch was whole
         return 0, newest
     recording, _ = read_journal(path)
@@ -90,7 +90,7 @@ def kill_at_random(times: int, seed: int = 1) -> tuple[int, int]:
 
 
 def main() -> None:
-    """Kill as often as the command line says, 200 times unless told."""
+    """Kill as often as the command line says, by default 200 times."""
     times = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     kept, worst = kill_at_random(times)
     sys.stdout.write(

@@ -5,7 +5,7 @@
 A child process does what the studio does with a hand at the brush: samples at 1 kHz, five at once,
 a tuft of single hairs, ink that spreads meanwhile, layers, undo, and a base saved when the brush is
 lifted. It is killed (SIGKILL) after a random while. Every batch and command carries a number, and
-when it was handed over is told through shared memory. What the sitting gives back must be all that
+when it was handed over stands in shared memory. What the sitting gives back must be all that
 was handed over more than 100 ms before, and its ink must add up. How long a thread of the child
 waited for a core or the disk meanwhile, and how long who kills stood still itself, is told beside
 it, where the system knows (Linux): it excuses nothing.
@@ -43,14 +43,14 @@ STEP_NS, BATCH, STROKE = 1_000_000, 5, 120  # batches of a stroke
 ALLOWED_NS = 100_000_000
 EVENTS = 1 << 16
 LOOK_S = 0.01  # how often it is looked how long the child waits for a core
-BEGUN = 100  # events that are told before the time to the kill begins: a busy machine starts slowly
+BEGUN = 100  # events before the time to the kill begins: a busy machine starts slowly
 BASES_S = 0.3  # between two at the least: in the studio they are rare
 UPRIGHT = np.array([1.0, 0.0, 0.0, 0.0])
 HAIRY = dataclasses.replace(load_brush("full"), name="hairy", bristles=BristleSpec(n_hairs=40))
 
 
 class Waits(NamedTuple):
-    """What a lost time was waited for, ns, as far as it could be seen."""
+    """Waiting times within a loss, ns, as far as they could be observed."""
 
     core: int = 0  # by one of the threads, at most; what still goes on as it is killed is not seen
     disk: int = 0  # by any thread
@@ -58,9 +58,9 @@ class Waits(NamedTuple):
 
 
 class Kill(NamedTuple):
-    """What became of one killed sitting."""
+    """Result of one killed sitting."""
 
-    n_told: int  # batches and commands that were handed over
+    n_sent: int  # batches and commands that were handed over
     n_kept: int  # of these
     lost_ns: int  # from when the first of the others was handed over
     waits: Waits  # of it
@@ -71,14 +71,14 @@ class Kill(NamedTuple):
 
 
 class Teller:
-    """Numbers of what is handed over, and when, in memory that outlives who writes it."""
+    """Numbers and times of what is handed over, in memory that outlives the process."""
 
     def __init__(self) -> None:
         self._memory = mmap.mmap(-1, 8 * EVENTS)
         self.times = np.frombuffer(self._memory, np.int64)  # [0]: how many
 
     def tell(self) -> int:
-        """The next number; it is being handed over now."""
+        """Number the next batch or command, which is being handed over now."""
         number = int(self.times[0]) + 1
         self.times[number] = time.monotonic_ns()
         self.times[0] = number
@@ -86,12 +86,12 @@ class Teller:
 
 
 def new_document() -> Document:
-    """A plane of xuan paper and a brush of forty hairs."""
+    """Make a plane of xuan paper and a brush of forty hairs."""
     return Document.new("plane", 1.5, "xuan", brush=HAIRY)
 
 
 def batches(stroke: int, first_ns: int, chance: random.Random) -> list[list[DeviceSample]]:
-    """The samples of a wavy stroke across the plane, lifted at both ends."""
+    """Make the samples of a wavy stroke across the plane, lifted at both ends."""
     n, y = BATCH * STROKE, chance.uniform(-40, 40)
     x = np.linspace(-50, 50, n) * (-1) ** stroke
     ys = y + 6.0 * np.sin(x / 7.0)
@@ -143,7 +143,7 @@ def sit(folder: Path, teller: Teller, seed: int) -> None:
 
 
 def kill_once(folder: Path, seconds: float, seed: int) -> Kill:
-    """Let a sitting that has begun go on for so long, kill it, and take up what it left."""
+    """Let a sitting that has begun run for this time, kill it, and recover it."""
     teller = Teller()
     process = os.fork()
     if process == 0:
@@ -157,25 +157,25 @@ def kill_once(folder: Path, seconds: float, seed: int) -> Kill:
     killed_ns = time.monotonic_ns()
     os.kill(process, signal.SIGKILL)
     os.waitpid(process, 0)
-    n_told, found = int(teller.times[0]), recoverable(folder)
-    if not found:  # killed before any of it was on the disk: all of it is lost
+    n_sent, unfinished_ones = int(teller.times[0]), recoverable(folder)
+    if not unfinished_ones:  # killed before any of it was on the disk: all of it is lost
         lost_ns = killed_ns - int(teller.times[1])
-        return Kill(n_told, 0, lost_ns, _waited(looks, killed_ns - lost_ns), 0, 0, False, True)
-    (unfinished,) = found
+        return Kill(n_sent, 0, lost_ns, _waited(looks, killed_ns - lost_ns), 0, 0, False, True)
+    (unfinished,) = unfinished_ones
     recovered = unfinished.recover()
     _check(recovered)
     document = recovered.document
     n_kept = int(document.tags.get("event", 0))
-    lost_ns = killed_ns - int(teller.times[n_kept + 1]) if n_kept < n_told else 0
+    lost_ns = killed_ns - int(teller.times[n_kept + 1]) if n_kept < n_sent else 0
     waits = _waited(looks, killed_ns - lost_ns) if lost_ns > 0 else Waits()
     return Kill(
-        n_told, n_kept, max(lost_ns, 0), waits, len(document.layers), len(document.strokes),
+        n_sent, n_kept, max(lost_ns, 0), waits, len(document.layers), len(document.strokes),
         document.surface.flow_patience < math.inf, not any(unfinished.folder.glob("base-1.*")),
     )  # fmt: skip
 
 
 class Look(NamedTuple):
-    """What a process was seen to wait for, and when, ns."""
+    """Waiting times of a process's threads, observed at one time, ns."""
 
     at: int
     waited: dict[str, int]  # by each of its threads for a core, until then
@@ -183,7 +183,7 @@ class Look(NamedTuple):
 
 
 def _watched(process: int, seconds: float) -> list[Look]:
-    """Let a process go on for so long, and look what its threads wait for."""
+    """Let a process run for this time; observe what its threads wait for."""
     looks: list[Look] = []
     until = time.monotonic() + seconds
     while True:
@@ -200,7 +200,7 @@ def _watched(process: int, seconds: float) -> list[Look]:
 
 
 def _waited(looks: list[Look], since_ns: int) -> Waits:
-    """What was waited for since then."""
+    """Sum the waiting times since then."""
     before = next((look for look in reversed(looks) if look.at <= since_ns), looks[0])
     later = [before, *(look for look in looks if look.at > before.at)]
     core = [waited - before.waited.get(name, 0) for name, waited in later[-1].waited.items()]
@@ -251,12 +251,12 @@ def _warm_up() -> None:
 
 
 def main() -> None:
-    """Kill as often as the command line says, 200 times unless told; fail if too much was lost."""
+    """Kill as often as the command line says, by default 200 times; fail if too much was lost."""
     times = int(sys.argv[1]) if len(sys.argv) > 1 else 200
     kills = kill_at_random(times, int(sys.argv[2]) if len(sys.argv) > 2 else 1)
     sys.stdout.write(
         f"killed {times} times: {sum(kill.n_kept for kill in kills):,} of "
-        f"{sum(kill.n_told for kill in kills):,} batches and commands kept, at most "
+        f"{sum(kill.n_sent for kill in kills):,} batches and commands kept, at most "
         f"{_lost(max(kills, key=lambda kill: kill.lost_ns))} lost; "
         f"{sum(kill.is_wet for kill in kills)} were wet, "
         f"{sum(kill.n_layers > 1 for kill in kills)} had layers, "
@@ -271,9 +271,9 @@ def main() -> None:
 
 def _lost(kill: Kill) -> str:
     core, disk, killer = (f"{waited * 1e-6:.0f}" for waited in kill.waits)
-    told = f"a thread waited {core} of them for a core, {disk} for the disk"
-    told += f", who kills stood still for up to {killer}; {kill.n_told - kill.n_kept} events"
-    return f"{kill.lost_ns * 1e-6:.0f} ms ({told})"
+    text = f"a thread waited {core} of them for a core, {disk} for the disk"
+    text += f", who kills stood still for up to {killer}; {kill.n_sent - kill.n_kept} events"
+    return f"{kill.lost_ns * 1e-6:.0f} ms ({text})"
 
 
 if __name__ == "__main__":

@@ -85,10 +85,10 @@ def make_recording(glyphs: Path) -> Recording:
     placed = layout_text(ClosestPoints(mesh), TEXT, EM_MM, LAYOUT)
     frames = [character.square.chart.frame for character in placed]
     time_s = 1e-9 * right.time_ns
-    place, turned = hold(time_s, character_shares(right, len(frames)), frames)
+    point, turned = hold(time_s, character_weights(right, len(frames)), frames)
     drift = 2.0 * np.pi * time_s[:, None] / DRIFT_S + np.array([0.0, 1.0, 2.0])
     anchor = WRITING_PLACE + DRIFT_MM * np.sin(drift)
-    held = anchor - rotate(turned, place)
+    held = anchor - rotate(turned, point)
     return replace(
         right,
         position=held + rotate(turned, right.position),
@@ -98,48 +98,48 @@ def make_recording(glyphs: Path) -> Recording:
     )
 
 
-def character_shares(recording: Recording, n: int) -> NDArray[np.float64]:
-    """How much of every sample (N, n) belongs to each character: blends on the ways between."""
+def character_weights(recording: Recording, n: int) -> NDArray[np.float64]:
+    """Compute weights of the characters at every sample (N, n), blended between them."""
     down = recording.pressure > 0.0
     dipped = np.append(False, np.diff((recording.buttons != 0).astype(int)) == 1)
     dipped[0] = recording.buttons[0] != 0
     group = np.cumsum(dipped) - 1
     if group.max() != n - 1:
         raise ValueError(f"the brush is dipped {group.max() + 1} times; expected {n}")
-    shares = np.zeros((len(down), n))
+    weights = np.zeros((len(down), n))
     begins = 0
     for k in range(n):
         written = np.flatnonzero(down & (group == k))
         if k > 0:
             t = np.linspace(0.0, 1.0, written[0] - begins)
             rise = t**3 * (10.0 - 15.0 * t + 6.0 * t**2)
-            shares[begins : written[0], k] = rise
-            shares[begins : written[0], k - 1] = 1.0 - rise
+            weights[begins : written[0], k] = rise
+            weights[begins : written[0], k - 1] = 1.0 - rise
         last = written[-1] + 1 if k < n - 1 else len(down)
-        shares[written[0] if k > 0 else 0 : last, k] = 1.0
+        weights[written[0] if k > 0 else 0 : last, k] = 1.0
         begins = last
-    return shares
+    return weights
 
 
-def hold(time_s: NDArray, shares: NDArray, frames: list[SurfaceFrame]) -> tuple[NDArray, NDArray]:
+def hold(time_s: NDArray, weights: NDArray, frames: list[SurfaceFrame]) -> tuple[NDArray, NDArray]:
     """Return the written place in the object (N, 3) and the bowl's world_from_object (N, 4)."""
-    place = shares @ np.array([frame.origin for frame in frames])
+    point = weights @ np.array([frame.origin for frame in frames])
     held = np.array([comfortable(frame) for frame in frames])
-    orientation = held[np.argmax(shares, axis=1)]
+    orientation = held[np.argmax(weights, axis=1)]
     for k in range(1, len(frames)):
-        way = (shares[:, k] > 0.0) & (shares[:, k - 1] > 0.0)
+        way = (weights[:, k] > 0.0) & (weights[:, k - 1] > 0.0)
         both = np.ones((way.sum(), 1))
-        orientation[way] = slerp(both * held[k - 1], both * held[k], shares[way, k])
-    away = 1.0 - (shares**2).sum(axis=1)  # 0 while writing, 1/2 in the middle of a way
+        orientation[way] = slerp(both * held[k - 1], both * held[k], weights[way, k])
+    away = 1.0 - (weights**2).sum(axis=1)  # 0 while writing, 1/2 in the middle of a way
     t = 2.0 * np.pi * time_s
     about_axis = SWAY[0] * np.sin(t / SWAY[1]) + 2.0 * LOOK * away
     nod = NOD[0] * np.sin(t / NOD[1] + 1.0)
     turned = multiply_quaternions(orientation, turns(about_axis, 2))
-    return place, multiply_quaternions(turns(nod, 0), turned)
+    return point, multiply_quaternions(turns(nod, 0), turned)
 
 
 def comfortable(frame: SurfaceFrame) -> NDArray:
-    """world_from_object that turns a place up, leaning towards the writer at -y."""
+    """Compute the world_from_object that turns a point up, leaning towards the writer at -y."""
     sine, cosine = math.sin(LEAN), math.cos(LEAN)
     wanted = np.array([[1.0, 0.0, 0.0], [0.0, cosine, -sine], [0.0, sine, cosine]])
     there = np.stack([frame.x_axis, frame.y_axis, frame.normal], axis=-1)
@@ -147,7 +147,7 @@ def comfortable(frame: SurfaceFrame) -> NDArray:
 
 
 def turns(angle: NDArray, axis: int) -> NDArray:
-    """Quaternions (N, 4) of turns about a coordinate axis."""
+    """Make quaternions (N, 4) of turns about a coordinate axis."""
     quaternions = np.zeros((len(angle), 4))
     quaternions[:, 0], quaternions[:, 1 + axis] = np.cos(0.5 * angle), np.sin(0.5 * angle)
     return quaternions
@@ -164,7 +164,7 @@ def write(recording: Recording, file: Path) -> int:
 
 
 def rounded(line: str) -> str:
-    """One sample's line with numbers as long as they need to be."""
+    """Round the numbers of one sample's line."""
 
     def shorten(entry: dict) -> dict:
         for key, value in entry.items():

@@ -45,7 +45,7 @@ class Desk:
         self.now_ms = 0
 
     def put(self, device: str, kind: str, place: Iterable[float] | None = None, **more) -> None:
-        """One event, now."""
+        """Send one event, now."""
         row: dict[str, object] = {"device": device, "kind": kind}
         if place is not None:
             names = ("x", "y", "z")

@@ -1,4 +1,4 @@
-"""Let a monkey at the studio's window, and tell what it breaks.
+"""Send random events to the studio's window, and report the faults.
 
 python -m scripts.monkey --actions 10000 --seed 1
 python -m scripts.monkey --seed 1 --only 3-17 42        (some of its actions again)
@@ -24,16 +24,16 @@ from tests.support.app.monkey import Fault, Monkey
 
 
 def numbers(texts: list[str]) -> list[int]:
-    """Of "3-17 42"."""
-    found: list[int] = []
+    """Parse numbers and ranges, such as "3-17 42"."""
+    result: list[int] = []
     for text in texts:
         first, _, last = text.partition("-")
-        found += range(int(first), int(last or first) + 1)
-    return found
+        result += range(int(first), int(last or first) + 1)
+    return result
 
 
 class Disk:
-    """A small disk of its own at a folder, which can be spoilt and mended.
+    """A small disk of its own at a folder, which can be made read-only or full, and restored.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class Disk:
             subprocess.run(["umount", "--lazy", self._folder], check=True)
 
     def spoil(self) -> None:
-        """Let nothing more be written."""
+        """Make the disk refuse writing."""
         if self._kind == "read-only":
             self._mount("-o", "remount,ro")
         elif self._kind == "full":
@@ -64,7 +64,7 @@ class Disk:
                     pass
 
     def mend(self) -> None:
-        """Let files be written again."""
+        """Make the disk writable again."""
         if self._kind == "read-only":
             self._mount("-o", "remount,rw")
         elif self._kind == "full":
@@ -79,7 +79,7 @@ class Disk:
 
 
 class MonkeyOnDisk(Monkey):
-    """One whose folder lies on a disk that cannot be written, but before it begins and at the end.
+    """A monkey whose folder lies on a disk that cannot be written meanwhile.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ class MonkeyOnDisk(Monkey):
 
 
 def one_run(options: argparse.Namespace) -> list[Fault]:
-    """Do it in this process."""
+    """Run in this process; return the faults."""
     with tempfile.TemporaryDirectory() as folder, Disk(folder, options.disk) as disk:
         os.environ.update(XDG_CONFIG_HOME=folder, PAINT3D_STATE=f"{folder}/state")
         from paint3d.app.window.start import make_program
@@ -136,7 +136,7 @@ def one_run(options: argparse.Namespace) -> list[Fault]:
 
 
 def breaks(options: argparse.Namespace, chosen: list[int], wanted: str) -> bool:
-    """Whether these actions, in a process of their own, have the same fault."""
+    """Return whether these actions, in a process of their own, have the same fault."""
     command = [sys.executable, "-m", "scripts.monkey", "--seed", str(options.seed), "--brief"]
     command += ["--start", options.start] if options.start else []
     command += ["--disk", options.disk] if options.disk else []
@@ -146,7 +146,7 @@ def breaks(options: argparse.Namespace, chosen: list[int], wanted: str) -> bool:
 
 
 def shrink(options: argparse.Namespace, faults: list[Fault]) -> list[int]:
-    """The fewest actions that still have the first fault."""
+    """Find the fewest actions that still have the first fault."""
     first = faults[0]
     wanted = first.short()
     chosen = list(range(first.number + 1))
@@ -169,7 +169,7 @@ def shrink(options: argparse.Namespace, faults: list[Fault]) -> list[int]:
 
 
 def main() -> int:
-    """Run it, and tell."""
+    """Run, and print the faults."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--actions", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)

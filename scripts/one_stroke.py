@@ -23,7 +23,7 @@ NO_KEY = QtCore.Qt.KeyboardModifier.NoModifier
 
 
 def wait_for(what: str, holds: Callable[[], bool]) -> None:
-    """Let the program live until something holds."""
+    """Process events until a condition holds."""
     until = time.monotonic() + LIMIT_S
     while not holds():
         if time.monotonic() > until:
@@ -44,13 +44,13 @@ def main() -> None:
     canvas = window.canvas
     ways = [(0.4 + 0.01 * k, 0.5) for k in range(21)]
     for k, (across, down) in enumerate(ways):
-        place = QtCore.QPointF(across * canvas.width(), down * canvas.height())
+        position = QtCore.QPointF(across * canvas.width(), down * canvas.height())
         kind = KIND.MouseButtonPress if k == 0 else KIND.MouseMove
         kind = KIND.MouseButtonRelease if k == len(ways) - 1 else kind
         changed = BUTTON.NoButton if kind == KIND.MouseMove else BUTTON.LeftButton
         held = BUTTON.NoButton if kind == KIND.MouseButtonRelease else BUTTON.LeftButton
-        there = canvas.mapToGlobal(place)
-        event = QtGui.QMouseEvent(kind, place, there, changed, held, NO_KEY)
+        there = canvas.mapToGlobal(position)
+        event = QtGui.QMouseEvent(kind, position, there, changed, held, NO_KEY)
         QtWidgets.QApplication.sendEvent(canvas, event)
         began = time.monotonic()
         wait_for("20 ms go by", lambda began=began: time.monotonic() > began + 0.02)

@@ -31,11 +31,11 @@ def random_mixtures(count: int, seed: int) -> NDArray:
     """Reflectances (count, 31) of one to four pigments, 0.01 to 10 coats, over any material."""
     rng = np.random.default_rng(seed)
     palette, materials = list(load_palette().values()), list(load_materials().values())
-    shares = np.zeros((count, len(palette)))
-    for row in shares:
+    parts = np.zeros((count, len(palette)))
+    for row in parts:
         chosen = rng.choice(len(palette), rng.integers(1, 5), replace=False)
         row[chosen] = rng.dirichlet(np.ones(chosen.size))
-    k, s = (shares @ np.array([getattr(p, letter) for p in palette]) for letter in "KS")
+    k, s = (parts @ np.array([getattr(p, letter) for p in palette]) for letter in "KS")
     coats = 10 ** rng.uniform(-2, 1, (count, 1))
     backing = np.array([m.reflectance for m in materials])[rng.integers(len(materials), size=count)]
     return layer_reflectance(k, s, coats, backing)

@@ -51,12 +51,12 @@ class Soot(NamedTuple):
     most_nm: float
 
     def by_volume(self) -> tuple[NDArray, NDArray]:
-        """Diameters (25,), nm, and the share of the volume that each stands for."""
+        """Compute diameters (25,), nm, and the fraction of the volume that each stands for."""
         spread = 0.25 * np.log(self.most_nm / self.least_nm)
         median = np.sqrt(self.least_nm * self.most_nm) * np.exp(3.0 * spread**2)
         at = np.linspace(-3.0, 3.0, 25)
-        share = np.exp(-0.5 * at**2)
-        return median * np.exp(spread * at), share / share.sum()
+        weight = np.exp(-0.5 * at**2)
+        return median * np.exp(spread * at), weight / weight.sum()
 
 
 SOOTS = {"pine soot": Soot(20.0, 400.0), "oil soot": Soot(15.0, 80.0)}
@@ -67,14 +67,14 @@ white). It is 1.2 percent of soot by volume in 0.03 mm of liquid."""
 
 
 def index_of(nm: float) -> complex:
-    """Complex index of soot at a wavelength; below 436 nm what it is there."""
+    """Interpolate the complex index of soot at a wavelength; constant below 436 nm."""
     at = (435.8, 450.0, 550.0, 650.0, 806.5)
     real = np.interp(nm, at, (1.57, 1.56, 1.57, 1.56, 1.57))
     return complex(real, np.interp(nm, at, (0.46, 0.50, 0.53, 0.52, 0.49)))
 
 
 def efficiencies(relative: complex, size: float) -> tuple[float, float, float]:
-    """Efficiencies of extinction and scattering of a sphere, and its asymmetry g.
+    """Compute a sphere's efficiencies of extinction and scattering, and its asymmetry g.
 
     `relative` is its index over the medium's, `size` its circumference over the wavelength there.
     """
@@ -103,12 +103,12 @@ def efficiencies(relative: complex, size: float) -> tuple[float, float, float]:
 
 
 def strengths_per_um(soot: Soot, glue: float = GLUE) -> tuple[NDArray, NDArray]:
-    """K and S (31,) of solid soot in glue, 1/um, before the third step."""
-    diameters, shares = soot.by_volume()
+    """Compute K and S (31,) of solid soot in glue, 1/um, before the third step."""
+    diameters, weights = soot.by_volume()
     k, s = np.zeros(len(WAVELENGTHS)), np.zeros(len(WAVELENGTHS))
     for i, nm in enumerate(np.asarray(WAVELENGTHS)):
         relative = index_of(nm) / glue
-        for diameter, part in zip(diameters, shares, strict=True):
+        for diameter, part in zip(diameters, weights, strict=True):
             extinct, scattered, g = efficiencies(relative, np.pi * diameter * glue / nm)
             per_um = 1.5e3 * part / diameter  # section over volume
             k[i] += 2.0 * per_um * (extinct - scattered)
@@ -117,18 +117,18 @@ def strengths_per_um(soot: Soot, glue: float = GLUE) -> tuple[NDArray, NDArray]:
 
 
 def films(k: NDArray, s: NDArray, ground: NDArray) -> NDArray:
-    """Reflectance (COATS, 31) over a measured ground, without the gloss."""
+    """Compute the reflectance (COATS, 31) over a measured ground, without the gloss."""
     below = to_internal(ground, 0.0, INSIDE)
     return to_measured(layer_reflectance(k, s, COATS[:, None], below), 0.0, INSIDE)
 
 
 def grounds() -> list[NDArray]:
-    """What the third step is fitted over."""
+    """Return the reflectances of the grounds that the third step is fitted over."""
     return [load_material(name).reflectance if name else np.zeros(31) for name, _ in GROUNDS]
 
 
 def as_seen(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
-    """K and S (31,) that give the films' reflectance without a correction.
+    """Fit the K and S (31,) that give the films' reflectance without a correction.
 
     Exactly that of an opaque one, which fixes K/S, and nearly that of the others.
     """
@@ -151,7 +151,7 @@ def as_seen(k: NDArray, s: NDArray) -> tuple[NDArray, NDArray]:
 
 
 def soot_ink(name: str) -> tuple[NDArray, NDArray]:
-    """K and S (31,) of a coat of an ink of `SOOTS`, as the palette holds them."""
+    """Compute K and S (31,) of a coat of an ink of `SOOTS`, as the palette holds them."""
     k, s = strengths_per_um(SOOTS[name])
     scale = STRENGTH / k[GREEN]
     return as_seen(k * scale, s * scale)

@@ -42,7 +42,7 @@ HEAD = (
 
 
 def prepared(path: str, folder: Path) -> str:
-    """A mesh that is 150 mm long, whatever its unit is: a file of it."""
+    """Scale a mesh to 150 mm, whatever its unit is; return a file of it."""
     import paint3d
 
     mesh = load_mesh(path)
@@ -53,19 +53,21 @@ def prepared(path: str, folder: Path) -> str:
 
 
 def study(window: StudioWindow, name: str, side: str, options: argparse.Namespace) -> np.ndarray:
-    """(N, 6): of strokes the inked share, 95 % of the distance from the way, jump and stray, and
-    how long the way is on the surface and through the air, mm.
+    """Measure strokes, a row (6,) each, lengths in mm.
+
+    The inked fraction, 95 % of the distance from the path, jump, stray, and the length of the path
+    on the surface and through the air.
     """
     rng = np.random.default_rng(options.seed)
     rows = []
     strokes = random_strokes(window, rng, options.strokes, side, tilt_degrees=options.tilt)
     for stroke in strokes:
         for trial in try_strokes(window, stroke):
-            found = stations(trial.mark, trial.way, reach_mm=REACH)
+            parts = stations(trial.mark, trial.way, reach_mm=REACH)
             rows.append((
                 inked_share(trial.mark, trial.way, HALF_FOOTPRINT),
-                off_the_way(found, 95.0, ends_mm=1.0),
-                largest_jump(found),
+                off_the_way(parts, 95.0, ends_mm=1.0),
+                largest_jump(parts),
                 stray(trial.mark, trial.way, HALF_FOOTPRINT),
                 trial.way.length_mm - trial.way.in_the_air_mm,
                 trial.way.in_the_air_mm,

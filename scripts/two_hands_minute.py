@@ -33,10 +33,10 @@ from paint3d.device.device_log import PlaybackLink
 from paint3d.device.force.force_port import SocketForcePort
 from paint3d.device.force.haptic_stylus import decode_pose, encode_pose
 from paint3d.device.hid_nodes import HidNode
+from paint3d.device.report_timing import ReportClock, stamp
 from paint3d.device.sample import StylusReading
 from paint3d.device.six_dof import MouseReading, find_mouse_layout
 from paint3d.device.space_mouse import DeflectionSettings, SpaceMouse, deflection
-from paint3d.device.stylus import ReportClock, stamp
 from paint3d.haptics.servo import ForceFeedback
 from paint3d.haptics.settings import HapticSettings
 from paint3d.painter.painter import Painter
@@ -64,7 +64,7 @@ MOUSE = bytes.fromhex(
 
 @dataclass(frozen=True)
 class Outcome:
-    """What became of the minute.
+    """Results of the minute.
 
     Attributes
     ----------
@@ -92,7 +92,7 @@ class Outcome:
 
 
 def counts_at(t: float) -> int | None:
-    """The cap's turn about z at time t, counts; None where the hand is off."""
+    """Return the cap's turn about z at time t, counts; None while the hand is off."""
     phase = t % (SWING_S + REST_S)
     if phase >= SWING_S:
         return None
@@ -100,12 +100,12 @@ def counts_at(t: float) -> int | None:
 
 
 def mouse_report(counts: int) -> bytes:
-    """Report 2 of a cap that is turned about z."""
+    """Encode report 2 of a cap that is turned about z."""
     return struct.pack("<B3h", 2, 0, 0, counts)
 
 
 def turns(n_ms: int) -> NDArray[np.float64]:
-    """The object's angle at every millisecond, summed up plainly: the script's own reckoning."""
+    """Integrate the object's angle at every millisecond, independently of the program."""
     rate = np.zeros(n_ms)
     for ms in range(0, n_ms, MOUSE_PERIOD_MS):
         counts = counts_at(ms * 1e-3)
@@ -274,17 +274,17 @@ def _conclude(
 
 
 def main() -> int:
-    """Run, and say what became of it; 1 where a sample was lost or something drifted."""
+    """Run and print the results; return 1 if a sample was lost or something drifted."""
     parser = argparse.ArgumentParser(description="both virtual hands, for a minute")
     parser.add_argument("--seconds", type=float, default=60.0)
     parser.add_argument("--live", action="store_true", help="by the clock, in processes")
     options = parser.parse_args()
-    found = (live if options.live else simulate)(options.seconds)
-    for name, value in dataclasses.asdict(found).items():
+    outcome = (live if options.live else simulate)(options.seconds)
+    for name, value in dataclasses.asdict(outcome).items():
         sys.stdout.write(f"{name:22}{value:.6g}\n")
     most_mm = 0.5 if options.live else 0.005
-    bad = found.painted != found.sent or found.last_second_error_mm > most_mm
-    return int(bad or found.ink_error > 1e-6)
+    bad = outcome.painted != outcome.sent or outcome.last_second_error_mm > most_mm
+    return int(bad or outcome.ink_error > 1e-6)
 
 
 if __name__ == "__main__":

@@ -61,10 +61,10 @@ def write_variants(surface: object, folder: Path) -> None:
 
 
 def gltf_validator(folder: Path) -> list[str]:
-    """Errors, warnings and hints of Khronos' validator."""
+    """List errors, warnings and hints of Khronos' validator."""
     if shutil.which("node") is None:
         raise MissingToolError("node")
-    found = []
+    faults = []
     for path in sorted(folder.glob("*.glb")):
         done = subprocess.run(
             ["node", "-e", VALIDATE, str(path)],
@@ -76,8 +76,8 @@ def gltf_validator(folder: Path) -> list[str]:
         if "Cannot find module" in done.stderr:
             raise MissingToolError("npm install -g gltf-validator, or NODE_PATH")
         issues = json.loads(done.stdout)["messages"]
-        found += [f"{path.name}: {one['code']} {one['message']}" for one in issues]
-    return [line for line in found if "IMAGE_NPOT_DIMENSIONS" not in line]  # allowed since 2.0
+        faults += [f"{path.name}: {one['code']} {one['message']}" for one in issues]
+    return [line for line in faults if "IMAGE_NPOT_DIMENSIONS" not in line]  # allowed since 2.0
 
 
 def _node_path() -> str:
@@ -86,7 +86,7 @@ def _node_path() -> str:
 
 
 def lib3mf(folder: Path) -> list[str]:
-    """Warnings of lib3mf's strict reader, and solids that are not closed.
+    """List warnings of lib3mf's strict reader, and solids that are not closed.
 
     What is for slicers has an attribute of theirs without a namespace, of which it may warn.
     """
@@ -94,7 +94,7 @@ def lib3mf(folder: Path) -> list[str]:
         import lib3mf as library
     except ImportError:
         raise MissingToolError("pip install lib3mf") from None
-    found = []
+    faults = []
     for path in sorted(folder.glob("*.3mf")):
         model = library.get_wrapper().CreateModel()
         reader = model.QueryReader("3mf")
@@ -102,7 +102,7 @@ def lib3mf(folder: Path) -> list[str]:
         reader.SetStrictModeActive(not is_for_slicers)
         reader.ReadFromFile(str(path))
         warnings = [reader.GetWarning(k) for k in range(reader.GetWarningCount())]
-        found += [
+        faults += [
             f"{path.name}: {warning}"
             for warning in warnings
             if not (is_for_slicers and "Invalid Attribute in namespace" in str(warning))
@@ -111,32 +111,32 @@ def lib3mf(folder: Path) -> list[str]:
         while solids.MoveNext():
             solid = solids.GetCurrentMeshObject()
             if not solid.IsManifoldAndOriented():
-                found.append(f"{path.name}: it is not closed")
-    return found
+                faults.append(f"{path.name}: it is not closed")
+    return faults
 
 
 def usd(folder: Path) -> list[str]:
-    """What all validators that come with USD find."""
+    """List the errors of all validators that come with USD."""
     try:
         from pxr import Usd, UsdValidation
     except ImportError:
         raise MissingToolError("pip install usd-core") from None
     validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
-    found = []
+    faults = []
     for path in sorted(folder.glob("*.usdz")):
         stage = Usd.Stage.Open(str(path))
         errors = UsdValidation.ValidationContext(validators).Validate(stage)
-        found += [f"{path.name}: {error.GetName()} {error.GetMessage()}" for error in errors]
-    return found
+        faults += [f"{path.name}: {error.GetName()} {error.GetMessage()}" for error in errors]
+    return faults
 
 
 def readers(folder: Path) -> list[str]:
-    """Whether trimesh and Open3D read the colours to the code."""
+    """List the files whose colours trimesh or Open3D read differently."""
     import open3d
     import trimesh
 
     expected = np.load(folder / "expected.npz")
-    wanted, found = expected["srgb"][expected["faces"]], []
+    wanted, faults = expected["srgb"][expected["faces"]], []
     for name in ("painting.ply", "painting.obj"):
         one = trimesh.load(folder / name, process=False)
         other = open3d.io.read_triangle_mesh(str(folder / name))
@@ -146,12 +146,12 @@ def readers(folder: Path) -> list[str]:
             ("Open3D", codes[np.asarray(other.triangles)]),
         ):
             if seen.shape != wanted.shape or np.abs(seen.astype(int) - wanted).max() > 0:
-                found.append(f"{name}: {who} sees other colours")
-    return found
+                faults.append(f"{name}: {who} sees other colours")
+    return faults
 
 
 def chromium(folder: Path) -> list[str]:
-    """The tests of the page that shows an object."""
+    """Run the tests of the page that shows an object; list their last lines if they fail."""
     if not any(map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))):
         raise MissingToolError("chromium")
     command = [sys.executable, "-m", "pytest", "-q", "tests/e2e/test_viewer.py"]
@@ -160,10 +160,10 @@ def chromium(folder: Path) -> list[str]:
 
 
 def checker(folder: Path) -> list[str]:
-    """The independent checker, with all of its readers that are installed."""
+    """Run the independent checker, with all of its readers that are installed."""
     if not CHECKER.is_file():
         raise MissingToolError(str(CHECKER))
-    found = []
+    faults = []
     for suffix in ("ply", "obj", "3mf", "glb"):
         command = [sys.executable, str(CHECKER), str(folder / f"painting.{suffix}")]
         command.append(str(folder / "expected.npz"))
@@ -175,8 +175,8 @@ def checker(folder: Path) -> list[str]:
             command += ["--readers", "plain,lib3mf"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         if done.returncode:
-            found += [f"{suffix}: {line}" for line in (done.stdout + done.stderr).splitlines()]
-    return found
+            faults += [f"{suffix}: {line}" for line in (done.stdout + done.stderr).splitlines()]
+    return faults
 
 
 CHECKS: dict[str, Callable[[Path], list[str]]] = {
@@ -190,7 +190,7 @@ CHECKS: dict[str, Callable[[Path], list[str]]] = {
 
 
 def paint_demo() -> object:
-    """The demo's recording on the bowl."""
+    """Paint the demo's recording on the bowl."""
     recording = paint3d.load_recording(str(files("paint3d.calligraphy") / "data" / "demo.jsonl.gz"))
     surface = paint3d.PaintedSurface(paint3d.load_mesh("bowl"), resolution=0.2)
     header = recording.header
@@ -213,12 +213,12 @@ def main() -> int:
         failed = False
         for name, check in CHECKS.items():
             try:
-                found = check(folder)
+                faults = check(folder)
             except MissingToolError as missing:
                 print(f"SKIP {name}: not here: {missing}")
                 continue
-            failed |= bool(found)
-            print(f"{'FAIL' if found else 'PASS'} {name}", *found, sep="\n     ")
+            failed |= bool(faults)
+            print(f"{'FAIL' if faults else 'PASS'} {name}", *faults, sep="\n     ")
     return int(failed)
 
 

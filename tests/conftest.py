@@ -68,8 +68,6 @@ _FIRST = (
 pytest_plugins = (
     "tests.support.plugged",
     "tests.support.less_work",
-    "tests.support.lights",
-    "tests.support.found_sheets",
     "tests.support.fonts",
 )
 

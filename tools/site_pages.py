@@ -1,4 +1,4 @@
-"""Pages of the site that are made from the code, and links between the site and the repository.
+"""Pages of the site that are generated, and links between the site and the repository.
 
 Hooks of MkDocs (`mkdocs.yml`): the command line from its parsers, brushes, inks and materials from
 their tables, the gallery from the pictures and where they are shown; README, CHANGELOG,
@@ -48,7 +48,7 @@ _CODE = re.compile(r"^```.*?^```|`[^`\n]+`", re.MULTILINE | re.DOTALL)
 
 
 def on_files(files: Files, config: MkDocsConfig) -> Files:
-    """Add what does not stand in docs/."""
+    """Add the pages that are not in docs/."""
     made = {
         "gallery.md": gallery_page(),
         "reference/commands.md": commands_page(),
@@ -64,7 +64,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
 
 
 def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Files) -> str:
-    """Lead links as they stand in the repository to where their files are in the site."""
+    """Rewrite links of the repository to links of the site."""
     here = page.file.src_uri
     real = TAKEN.get(here, f"docs/{here}")
     return _outside_code(markdown, lambda text: _LINK.sub(lambda m: _moved(m[1], real, here), text))
@@ -79,7 +79,7 @@ def _outside_code(markdown: str, change: Callable[[str], str]) -> str:
 
 
 def _moved(target: str, real: str, here: str) -> str:
-    """A link of the file `real` of the repository, from the page `here` of the site."""
+    """Translate a link of the file `real` of the repository to one from the page `here`."""
     path = posixpath.normpath(posixpath.join(posixpath.dirname(real), target))
     if (ROOT / path).is_dir():
         path += "/README.md"
@@ -92,7 +92,7 @@ def _moved(target: str, real: str, here: str) -> str:
 
 
 def commands_page() -> str:
-    """What `--help` says of every command and action."""
+    """Make the page of every command's `--help`."""
     parts = [
         "# Command line",
         "What `paint3d COMMAND --help` says, of all commands. "
@@ -135,7 +135,7 @@ def _told(action: argparse.Action, parser: Parser) -> str:
 
 
 def _prose(text: str) -> str:
-    """A text of a help, with what Markdown would take for itself left as it is."""
+    """Escape characters of a help text that Markdown would interpret."""
     return re.sub(r"([<>*_|\[\]])", r"\\\1", text)
 
 
@@ -153,7 +153,7 @@ _MATERIAL = {
 
 
 def brushes_page() -> str:
-    """The brushes that come with the program."""
+    """Make the page of the brushes that come with the program."""
     rows = [
         (f"`{one.name}`", *(_number(getattr(one, field)) for field in _BRUSH), _hairs(one),
          _prose(brush_note(one.name)))
@@ -172,7 +172,7 @@ def _hairs(brush: BrushSpec) -> str:
 
 
 def inks_page() -> str:
-    """The palette: what each looks like, and whose measurement it is."""
+    """Make the page of the palette: colours and sources."""
     ground = load_materials()["porcelain"].reflectance
     rows = [
         (f"`{one.name}` {one.chinese}",
@@ -189,7 +189,7 @@ def inks_page() -> str:
 
 
 def materials_page() -> str:
-    """What surfaces are made of."""
+    """Make the page of surface materials."""
     rows = [
         (f"`{one.name}` {one.chinese}", swatch(one.reflectance),
          *(_number(getattr(one, field)) for field in _MATERIAL), _prose(one.basis))
@@ -204,13 +204,13 @@ def materials_page() -> str:
 
 
 def table(heads: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A table in Markdown."""
+    """Format a table in Markdown."""
     lines = [heads, ["---"] * len(heads), *rows]
     return "\n".join(f"| {' | '.join(line)} |" for line in lines) + "\n"
 
 
 def swatch(reflectance: AnyArray) -> str:
-    """A coloured cell that says its colour."""
+    """Format a coloured cell with its code as title."""
     shown = "#" + "".join(f"{value:02x}" for value in srgb_from_reflectance(reflectance))
     return f'<span style="background:{shown};padding:0 1.2em" title="{shown}"></span>'
 
@@ -250,7 +250,7 @@ BY_OTHERS = (  # the pictures that build_gallery.py does not draw
 
 
 def gallery_page() -> str:
-    """Every picture of docs/gallery under the page that shows it, with what draws it."""
+    """Make the page of the pictures of docs/gallery, by the pages that show them."""
     parts = [
         "# Gallery",
         "What draws each picture stands below it. It is run in a checkout of the repository, where "
@@ -283,5 +283,5 @@ def _title(text: str) -> str:
 
 
 def drawn_by(picture: str) -> str:
-    """The command that draws a picture of docs/gallery."""
+    """Return the command that draws a picture of docs/gallery."""
     return BY_OTHERS.get(picture, f"python scripts/build_gallery.py --glyphs package {picture}")

@@ -1,4 +1,4 @@
-"""``python -m tools.texts``: what the studio's window says, compared with its catalogues.
+"""``python -m tools.texts``: check the window's texts against their catalogues of translations.
 
 All that may be said there stands in English in the package's sources: in calls of `say` and
 `Message`, in the table of commands, and in errors. Each language has a catalogue of gettext
@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import polib
 
-__all__ = ["CATALOGUES", "Text", "compile_all", "faults_of", "fields_of", "find_texts", "update"]
+__all__ = ["CATALOGUES", "Text", "compile_all", "faults_of", "find_texts", "update"]
 
 ROOT = Path(__file__).parents[1]  # of the checkout
 CATALOGUES = sorted((ROOT / "paint3d/app/window/locale").glob("*/LC_MESSAGES/paint3d.po"))
@@ -51,7 +51,7 @@ def _literal(node: ast.expr) -> str | None:
 
 
 def _texts_in(path: Path) -> Iterator[Text]:
-    """The texts of a source.
+    """Yield the texts of a source.
 
     Raises
     ------
@@ -83,7 +83,7 @@ _ERRORS = _error_names()
 
 
 def find_texts() -> dict[Text, list[str]]:
-    """All texts, each with the sources that say it, as paths from the root."""
+    """Collect all texts, each with the sources that use it, as paths from the root."""
     found: dict[Text, list[str]] = {}
     for path in sorted((ROOT / "paint3d").rglob("*.py")):
         place = path.relative_to(ROOT)
@@ -97,7 +97,7 @@ def find_texts() -> dict[Text, list[str]]:
 
 
 def fields_of(text: str) -> set[str]:
-    """The names of a text's fields."""
+    """Return the names of a text's fields."""
     return {name for _, name, _, _ in string.Formatter().parse(text) if name}
 
 
@@ -106,7 +106,7 @@ def _text_of(entry: polib.POEntry) -> Text:
 
 
 def faults_of(catalogue: Path, texts: dict[Text, list[str]]) -> list[str]:
-    """What is wrong with a catalogue, a line each."""
+    """List the faults of a catalogue, a line each."""
     entries = {_text_of(entry): entry for entry in polib.pofile(os.fspath(catalogue))}
     faults = []
     for text, said_in in texts.items():
@@ -123,7 +123,7 @@ def faults_of(catalogue: Path, texts: dict[Text, list[str]]) -> list[str]:
 
 
 def update(catalogue: Path, texts: dict[Text, list[str]]) -> None:
-    """Take texts that are new into a catalogue, and what nothing says out of it."""
+    """Add new texts to a catalogue, and remove those that no source uses."""
     file = polib.pofile(os.fspath(catalogue), wrapwidth=100)
     known = {_text_of(entry): entry for entry in file}
     file.clear()
@@ -148,7 +148,7 @@ def compile_all() -> None:
 
 
 def main() -> int:
-    """Compile the catalogues, and say what is wrong with them."""
+    """Compile the catalogues, and print their faults."""
     parser = argparse.ArgumentParser(prog="python -m tools.texts", description=__doc__)
     parser.add_argument(
         "--compile", action="store_true", help="only compile them, whatever is wrong"

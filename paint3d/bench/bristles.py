@@ -14,10 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from paint3d.bench.kernels.standing_bristles import bend_often, deposit_hairs_often, deposit_often
-from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
 from paint3d.bench.stopwatch import alternate
-from paint3d.bench.strokes import first_samples, make_dab, record_dabs
+from paint3d.bench.strokes import make_dab, record_dabs, refined_surface
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.bristles import build_bristles
 from paint3d.brush.presets import load_brush
@@ -29,7 +28,7 @@ from paint3d.files.load import load_mesh
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["HairBend", "measure", "time_deposits", "time_strokes"]
+__all__ = ["measure"]
 
 _BRUSH = "full"
 _COUNTS = (1, 10, 100, 1_000, 10_000)
@@ -46,7 +45,7 @@ _CURVED = np.array([0.0, 0.02, -0.01, -0.01, 0.0, -0.01])  # a ball of 50 mm rad
 
 
 class HairBend:
-    """One imprint of a tuft of hairs, bent again and again: table, contact, 8 points a hair.
+    """An imprint of a tuft of hairs to be bent repeatedly: table, contact, 8 points a hair.
 
     Parameters
     ----------
@@ -85,7 +84,7 @@ class HairBend:
 
 
 def _in_the_bowl(surface: PaintedSurface, n: int) -> Recording:
-    """A stroke of circles on the floor of the bowl, one sample a millisecond."""
+    """Record a stroke of circles on the floor of the bowl, one sample a millisecond."""
     assert surface.mesh.normals is not None, "the bowl has them"
     floor = surface.mesh.vertices[surface.mesh.normals[:, 2] > 0.9]
     dab = make_dab(_BRUSH, 0.4)
@@ -96,13 +95,18 @@ def _in_the_bowl(surface: PaintedSurface, n: int) -> Recording:
     return replace(recording, time_ns=recording.time_ns // 5)
 
 
-def time_strokes(share: float = 1.0) -> tuple[dict[int, tuple[float, int, int]], float]:
-    """By hairs (0: solid), CPU ms an imprint in the bowl, imprints, and the bowl's vertices.
+def time_strokes(scale: float = 1.0) -> tuple[dict[int, tuple[float, int, int]], float]:
+    """Time strokes in the bowl, with 1,000 hairs and with a solid tuft.
 
-    And how many times what depositing a solid footprint takes 1,000 hairs take to deposit theirs.
+    Returns
+    -------
+    strokes : dict
+        By hairs (0: solid), CPU ms an imprint, imprints, and the bowl's vertices.
+    deposit : float
+        See `time_deposits`.
     """
-    surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * share)))
-    recording = _in_the_bowl(surface, max(60, int(_SAMPLES * share)))
+    surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * scale)))
+    recording = _in_the_bowl(surface, max(60, int(_SAMPLES * scale)))
     painters, counts = {}, {}
     for n in (0, 1_000):
         painter = painters[n] = Painter(surface, _BRUSH, hairs=n)
@@ -116,23 +120,23 @@ def time_strokes(share: float = 1.0) -> tuple[dict[int, tuple[float, int, int]],
         painters[n].replay(recording)
 
     best = alternate(_STROKES, {str(n): partial(stroke, n) for n in painters})
-    found = {
+    strokes = {
         n: (1e3 * best[str(n)].cpu_s / counts[n], counts[n], surface.n_vertices) for n in painters
     }
-    return found, time_deposits(painters[1_000], recording, max(4, int(_DEPOSITS * share)))
+    return strokes, time_deposits(painters[1_000], recording, max(4, int(_DEPOSITS * scale)))
 
 
 def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
-    """Ratio of the time that hairs and a solid tuft take to deposit a stroke's last imprint.
+    """Measure the ratio of the times that hairs and a solid tuft take to deposit an imprint.
 
     From the imprint drawn to ink on vertices, `times` times, by turns.
     """
     surface, hairs = painter.surface, painter.hairs
     painter.dip()
-    painter.replay(first_samples(recording, len(recording) - 1))
+    painter.replay(recording.part(0, len(recording) - 1))
     before = make_stamp()
-    for kept, last in zip(before, painter.stamp, strict=True):
-        kept[:] = last
+    for copy, last in zip(before, painter.stamp, strict=True):
+        copy[:] = last
     painter.dip()
     painter.replay(recording)
     stamps = (before, painter.stamp)
@@ -149,22 +153,22 @@ def time_deposits(painter: Painter, recording: Recording, times: int) -> float:
     return best["hairs"].cpu_s / best["solid"].cpu_s
 
 
-def measure(share: float = 1.0) -> Result:
-    """CPU per imprint: 1 to 10,000 hairs bent on a plane and on a patch, 1,000 in the bowl."""
-    rounds = max(2, int(_ROUNDS * share))
+def measure(scale: float = 1.0) -> Result:
+    """Measure an imprint: 1 to 10,000 hairs on a plane and on a patch, 1,000 in the bowl."""
+    rounds = max(2, int(_ROUNDS * scale))
     rows, checks = [], []
     for n in _COUNTS:
-        times = max(1, int(_HAIRS_A_ROUND * share) // max(n, 200))
+        times = max(1, int(_HAIRS_A_ROUND * scale) // max(n, 200))
         bends = {name: HairBend(n, p) for name, p in (("plane", bt.FLAT), ("curved", _CURVED))}
         for bend in bends.values():
             bend.run(1)
-        found = alternate(rounds, {name: partial(bend.run, times) for name, bend in bends.items()})
-        plane, curved = (1e3 * found[name].cpu_s / times for name in ("plane", "curved"))
+        best = alternate(rounds, {name: partial(bend.run, times) for name, bend in bends.items()})
+        plane, curved = (1e3 * best[name].cpu_s / times for name in ("plane", "curved"))
         rows.append([n, plane, curved, curved / plane, 1e6 * plane / n])
         if n in _WANTED_MS:
             checks.append(Check(f"{n:,} hairs on a plane", plane, _WANTED_MS[n], unit="ms"))
             checks.append(Check(f"{n:,} hairs, curved over plane", curved / plane, _MOST_CURVED))
-    strokes, deposit = time_strokes(share)
+    strokes, deposit = time_strokes(scale)
     solid, (hairs, imprints, vertices) = strokes[0][0], strokes[1_000]
     checks.append(Check("depositing 1,000 hairs over a solid tuft", deposit, _MOST_DEPOSIT))
     checks.append(Check("cores for 500 imprints/s of 1,000 hairs in the bowl", 0.5 * hairs, 0.5))

@@ -21,9 +21,9 @@ _ROUNDS = 7
 _SEED = 1
 
 
-def measure(share: float = 1.0) -> Result:
+def measure(scale: float = 1.0) -> Result:
     """Colour a million painted vertices by every path; they take turns."""
-    n = max(1000, int(_VERTICES * share))
+    n = max(1000, int(_VERTICES * scale))
     random = np.random.default_rng(_SEED)
     pigments = list(load_palette().values())[:3]
     backing = load_material("porcelain").reflectance

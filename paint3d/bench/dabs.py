@@ -1,4 +1,4 @@
-"""One dab of a brush on a mesh that is as fine as the colours want it.
+"""A dab of a brush on a mesh that is as fine as the colours want it, and on larger and larger ones.
 
 A dab is everything: contact, plane, outline, projection, ink, and the colours brought up to date
 30 times a second of the stroke's own time. What pen-down costs is the time of a stroke of two dabs
@@ -11,24 +11,26 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from paint3d.bench.live import LiveTimes, frames_of, play, play_live
 from paint3d.bench.result import Check, Result
 from paint3d.bench.strokes import (
     Dab,
+    LiveTimes,
     figure_for,
-    first_samples,
+    frames_of,
     make_dab,
     make_grid,
+    play,
+    play_live,
     record_dabs,
 )
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
 from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["DabTimes", "measure", "time_dabs"]
+__all__ = ["measure", "measure_scaling", "time_dabs"]
 
-_DABS = 1020
-_SHORT = 2  # dabs of the stroke that tells the cost of pen-down
+_DABS = 1020  # at a million vertices
+_SHORT = 2  # dabs of the stroke from which the cost of pen-down is computed
 _ROUNDS = 5
 _COVERS = (2_000, 20_000)
 _MOST_PEN_DOWN_MS = 1.0
@@ -65,19 +67,19 @@ class DabTimes:
 
 
 def time_dabs(surface: PaintedSurface, dab: Dab, recording: Recording, rounds: int) -> DabTimes:
-    """Paint a stroke of one dab a sample some times over; the cost of a dab and of pen-down."""
+    """Paint a stroke of one dab a sample repeatedly; measure a dab and pen-down."""
     painter = Painter(surface, brush=dab.brush)
     n = len(recording)
     short = _SHORT
-    strokes = {n: recording, short: first_samples(recording, short)}
+    strokes = {n: recording, short: recording.part(0, short)}
     for stroke in strokes.values():
         play(painter, stroke)  # compiles, and brings the first pages in
     before = painter.report()
     best: dict[int, LiveTimes] = {}
     for _ in range(rounds):
         for size, stroke in strokes.items():
-            found = play(painter, stroke)
-            best[size] = best[size].best(found) if size in best else found
+            times = play(painter, stroke)
+            best[size] = best[size].best(times) if size in best else times
     after = painter.report()
     steps = rounds * (n + short)
 
@@ -98,15 +100,15 @@ def time_dabs(surface: PaintedSurface, dab: Dab, recording: Recording, rounds: i
     )
 
 
-def measure(share: float = 1.0) -> Result:
-    """Dabs over 2,000 and 20,000 of a million vertices, and pen-down at one and four million."""
+def measure(scale: float = 1.0) -> Result:
+    """Measure dabs over 2,000 and 20,000 vertices, and pen-down at one and four million."""
     dab = make_dab()
     rows, checks = [], []
     for n_vertices, covers in ((1_000_000, _COVERS), (4_000_000, _COVERS[:1])):
         for cover in covers:
-            n, under = max(400, int(n_vertices * share)), max(12, int(cover * share))
+            n, under = max(400, int(n_vertices * scale)), max(12, int(cover * scale))
             mesh = make_grid(n, (dab.footprint.area / under) ** 0.5)
-            centres = figure_for(mesh, dab.radius, max(40, int(_DABS * share)))
+            centres = figure_for(mesh, dab.radius, max(40, int(_DABS * scale)))
             surface = PaintedSurface(mesh, resolution=None)
             times = time_dabs(surface, dab, record_dabs(dab, centres), _ROUNDS)
             rows.append(
@@ -130,3 +132,53 @@ def measure(share: float = 1.0) -> Result:
         checks,
         ["tests/benchmarks/peer_dabs.py runs the same dabs beside another program."],
     )  # fmt: skip
+
+
+# ---- On larger and larger objects ----------------------------------------------------------------
+
+_SIZES = (100_000, 1_000_000, 4_000_000)
+_COVER = 2_000
+_SIZE_ROUNDS = 7
+_MOST_RATIO = 1.3
+
+
+def measure_scaling(scale: float = 1.0) -> Result:
+    """Measure a footprint on grids of 100 thousand, 1 million and 4 million vertices, by turns.
+
+    It covers the same number of vertices along the same figure at the same steps: only the object
+    grows.
+    """
+    dab = make_dab()
+    under = max(12, int(_COVER * scale))
+    spacing = (dab.footprint.area / under) ** 0.5
+    painters, strokes = [], []
+    for size in _SIZES:
+        mesh = make_grid(max(400, int(size * scale)), spacing)
+        n_dabs = max(20, int(_DABS * (size * scale / 1e6) ** 0.5))
+        painters.append(Painter(PaintedSurface(mesh, resolution=None), brush=dab.brush))
+        strokes.append(record_dabs(dab, figure_for(mesh, dab.radius, n_dabs)))
+    best: dict[int, LiveTimes] = {}
+    for _ in range(_SIZE_ROUNDS + 1):
+        for i, (painter, stroke) in enumerate(zip(painters, strokes, strict=True)):
+            times = play(painter, stroke)
+            best[i] = times.best(best[i]) if i in best else times
+    rows = []
+    for painter, times in zip(painters, best.values(), strict=True):
+        counts = painter.report()
+        each = counts["footprints"] / (_SIZE_ROUNDS + 1)
+        rows.append(
+            [painter.surface.n_vertices, each, counts["vertices_visited"] / counts["footprints"],
+             1e6 * times.whole.wall_s / each, 1e6 * times.whole.cpu_s / each]
+        )  # fmt: skip
+    for row in rows:
+        row.append(row[4] / rows[0][4])
+    names = [f"{row[0]:,}" for row in rows]
+    return Result(
+        "Cost of a footprint as the object grows",
+        ["vertices", "footprints", "visited/footprint", "us", "CPU us", "CPU ratio"],
+        rows,
+        [
+            Check(f"cost at {names[i]} over {names[0]} vertices", rows[i][5], _MOST_RATIO)
+            for i in range(1, len(rows))
+        ],
+    )

@@ -31,12 +31,12 @@ _RESOLUTION_MM = 0.4
 _INKED_ABOVE_MM = 20.0
 
 
-def measure(share: float = 1.0) -> Result:
+def measure(scale: float = 1.0) -> Result:
     """Export a sphere in each format, save it with ink on it and open it; they take turns."""
     from paint3d.files.export import export
     from paint3d.files.project.session import Session, load_session, save_session
 
-    mesh = _coloured_sphere(max(200, int(_TRIANGLES * share)))
+    mesh = _coloured_sphere(max(200, int(_TRIANGLES * scale)))
     session = Session(_inked(mesh))
     suffixes = (*_MOST_S, *_OTHERS)
     with tempfile.TemporaryDirectory() as folder:
@@ -69,7 +69,7 @@ def measure(share: float = 1.0) -> Result:
 
 
 def _inked(mesh: TriangleMesh) -> PaintedSurface:
-    """The mesh with wet ink on its upper part."""
+    """Make a surface of the mesh with wet ink on its upper part."""
     surface = PaintedSurface(mesh, _RESOLUTION_MM)
     column = surface.column_of(load_pigment("pine soot"))
     base = surface.paint_mesh.vertices[: surface.paint_mesh.n_base_vertices]
@@ -80,7 +80,7 @@ def _inked(mesh: TriangleMesh) -> PaintedSurface:
 
 
 def _coloured_sphere(n_triangles: int) -> TriangleMesh:
-    """A sphere of parallels and meridians, of slowly changing colours."""
+    """Make a sphere of parallels and meridians, of slowly changing colours."""
     n = int(np.ceil((n_triangles / 2) ** 0.5))
     around, down = np.meshgrid(np.linspace(0.0, 2 * np.pi, n + 1), np.linspace(0.01, 3.13, n + 1))
     ring = np.sin(down)

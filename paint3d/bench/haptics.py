@@ -1,4 +1,4 @@
-"""Force feedback at 1 kHz beside a busy program: the servo's beat, and the way from pose to force.
+"""Force feedback at 1 kHz beside a busy program: period of the servo, and time from pose to force.
 
 A virtual stylus in a process of its own sends its reports by the clock and times the answers. It is
 timed against an echo first, which is what the cable, two wake-ups and the stylus itself cost.
@@ -15,8 +15,8 @@ from multiprocessing.synchronize import Event
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.bench.replaying import refined_surface
 from paint3d.bench.result import Check, Result
+from paint3d.bench.strokes import refined_surface
 from paint3d.bench.virtual_stylus import Felt, VirtualStylus
 from paint3d.brush.presets import load_brush
 from paint3d.core.arrays import AnyArray
@@ -40,7 +40,7 @@ _MOST_PERIOD_US, _MOST_LATE, _MOST_TRIP_US = 1200.0, 0.002, 300.0
 _PERCENTILES = (50.0, 99.0, 99.9)
 
 
-def measure(share: float = 1.0) -> Result:
+def measure(scale: float = 1.0) -> Result:
     """Period, lateness and round trip of the servo on a bowl of a million triangles.
 
     Raises
@@ -48,9 +48,11 @@ def measure(share: float = 1.0) -> Result:
     Paint3DError
         If the servo fails.
     """
-    mesh = _bowl(max(100, int(_VERTICES * share)))
+    bowl = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * scale)))
+    vertices, faces, normals, _ = bowl.export_arrays(None)
+    mesh = TriangleMesh(vertices, faces, normals=normals)
     surface = PaintedSurface(mesh, resolution=None)
-    poses = _slide(max(1.0, _SECONDS * share))
+    poses = _slide(max(1.0, _SECONDS * scale))
     echo = _time_echo(poses[: max(500, int(len(poses) * _ECHO_SHARE))])
     felt, status, n_taken = _time_servo(surface, poses)
     rows = [["echo, busy program", *[None] * 3, *_trip(echo)]]
@@ -87,14 +89,8 @@ def measure(share: float = 1.0) -> Result:
     )
 
 
-def _bowl(n_vertices: int) -> TriangleMesh:
-    fine = refined_surface(load_mesh("bowl"), n_vertices)
-    vertices, faces, normals, _ = fine.export_arrays(None)
-    return TriangleMesh(vertices, faces, normals=normals)
-
-
 def _slide(seconds: float) -> NDArray[np.float64]:
-    """The root's way (N, 7): down into the bowl and round its floor, pressed and eased."""
+    """Make the root's path (N, 7): down into the bowl and round its floor, pressed and eased."""
     t = np.arange(round(1000 * seconds)) * 1e-3
     poses = np.zeros((len(t), 7))
     poses[:, 3] = 1.0
@@ -112,7 +108,7 @@ def _trip(felt: Felt) -> list[float]:
 
 
 def _work(until: float) -> float:
-    """A program that is busy: nothing but arithmetic."""
+    """Keep a core busy with arithmetic until a time."""
     x = 1.0
     while time.perf_counter() < until:
         for _ in range(1000):
@@ -136,7 +132,7 @@ def _time_echo(poses: AnyArray) -> Felt:
 
 
 def _echo(cable: socket.socket, ready: Event) -> None:
-    """Answer every pose at once with no force."""
+    """Answer every pose at once with zero force."""
     ask_for_speed()
     ready.set()
     while select.select([cable], [], [], 5.0)[0]:

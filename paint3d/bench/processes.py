@@ -1,15 +1,13 @@
-"""Figures that need a process of their own: memory, and how long starting takes."""
+"""Benchmarks in processes of their own: memory of a painting, and time to start."""
 
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
-import time
-from collections.abc import Sequence
+from pathlib import Path
 
 from paint3d.bench.result import Check, Result
-from paint3d.errors import Paint3DError
+from paint3d.bench.start import Waited, wait_for
 
 __all__ = ["measure_import", "measure_memory"]
 
@@ -17,7 +15,6 @@ _VERTICES = 4_000_000
 _MOST_GB = 2.0
 _MOST_IMPORT_S = 0.5
 _ROUNDS = 5
-_PATIENCE_S = 600
 
 _PAINT = """
 import json, sys, time
@@ -64,59 +61,42 @@ _STARTS = {
 }
 
 
-def _run(code: str, *arguments: str) -> str:
-    done = subprocess.run(
-        [sys.executable, "-c", code, *arguments],
-        capture_output=True,
-        text=True,
-        check=False,
-        timeout=_PATIENCE_S,
-    )
-    if done.returncode != 0:
-        reasons = done.stderr.strip().splitlines() or [f"exit status {done.returncode}"]
-        raise Paint3DError("a process of the benchmark failed: {last}", last=reasons[-1])
-    return done.stdout
+def _run(code: str, *arguments: str) -> Waited:
+    return wait_for((sys.executable, "-c", code, *arguments), Path.cwd())
 
 
-def measure_memory(share: float = 1.0) -> Result:
-    """Peak resident memory of a process that builds 4 million vertices and paints on them.
+def measure_memory(scale: float = 1.0) -> Result:
+    """Measure the peak resident memory of a process that paints on 4 million vertices.
 
     Raises
     ------
     Paint3DError
         If that process fails.
     """
-    n = max(400, int(_VERTICES * share))
-    found = json.loads(_run(_PAINT, str(n), str(max(4, int(1000 * share)))))
-    gigabytes = {name: found[f"{name}_kb"] * 1024 / 1e9 for name in ("mesh", "built", "peak")}
+    n = max(400, int(_VERTICES * scale))
+    figures = json.loads(_run(_PAINT, str(n), str(max(4, int(1000 * scale)))).lines[-1][1])
+    gigabytes = {name: figures[f"{name}_kb"] * 1024 / 1e9 for name in ("mesh", "built", "peak")}
     return Result(
-        f"Memory of a process that paints on {found['vertices']:,} vertices",
+        f"Memory of a process that paints on {figures['vertices']:,} vertices",
         ["vertices", "build s", "peak GB, mesh made", "peak GB, surface built", "peak GB, painted"],
-        [[found["vertices"], found["build_s"], *gigabytes.values()]],
+        [[figures["vertices"], figures["build_s"], *gigabytes.values()]],
         [Check("peak resident memory", gigabytes["peak"], _MOST_GB, unit="GB")],
     )
 
 
-def _seconds(code: str) -> float:
-    started = time.perf_counter()
-    _run(code)
-    return time.perf_counter() - started
-
-
-def measure_import(share: float = 1.0) -> Result:
-    """Time from starting Python to having paint3d, and to the first dab.
+def measure_import(scale: float = 1.0) -> Result:
+    """Measure the time from starting Python to having paint3d, and to the first dab.
 
     Raises
     ------
     Paint3DError
         If a process fails.
     """
-    rounds: Sequence[int] = range(max(1, round(_ROUNDS * share)))
     _run(_FIRST_DAB)  # compiles what was never compiled
     best = dict.fromkeys(_STARTS, float("inf"))
-    for _ in rounds:
+    for _ in range(max(1, round(_ROUNDS * scale))):
         for name, code in _STARTS.items():
-            best[name] = min(best[name], _seconds(code))
+            best[name] = min(best[name], _run(code).wall_s)
     alone = best["python alone"]
     return Result(
         "Starting, in a new process",

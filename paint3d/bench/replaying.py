@@ -7,54 +7,35 @@ from importlib.resources import files
 
 import numpy as np
 
-from paint3d.bench.live import frames_of, play, play_live
 from paint3d.bench.result import Check, Result
 from paint3d.bench.stopwatch import Times, timed_once
-from paint3d.bench.strokes import first_samples
-from paint3d.mesh.triangle_mesh import TriangleMesh
+from paint3d.bench.strokes import frames_of, play, play_live, refined_surface
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording, load_recording
-from paint3d.surface.painted_surface import PaintedSurface
 
-__all__ = ["measure", "refined_surface"]
+__all__ = ["measure"]
 
 _VERTICES = 1_000_000
 _FEWEST_SAMPLES = 900  # the brush is down by then
-_COARSE_MM = 1.6
 _ROUNDS = 3
 _LEAST_TIMES_FASTER = 10.0
 
 
-def refined_surface(mesh: TriangleMesh, n_vertices: int) -> PaintedSurface:
-    """A surface refined all over to at least so many vertices.
-
-    Not many more on an uneven mesh; on an even one all triangles are halved together.
-    """
-    resolution = _COARSE_MM
-    while True:
-        surface = PaintedSurface(mesh, resolution=resolution)
-        surface.refine_all()
-        if surface.n_vertices >= n_vertices:
-            return surface
-        lacking = (surface.n_vertices / n_vertices) ** 0.5
-        resolution *= max(0.35, min(0.97, 0.995 * lacking))
-
-
 def _pen_down_s(recording: Recording) -> float:
-    """Time with the brush on the object, s."""
+    """Sum the time with the brush on the object, s."""
     if recording.pressure is None:
         return recording.duration_s
     steps = np.diff(recording.time_ns) * 1e-9
     return float(steps[recording.pressure[1:] > 0.0].sum())
 
 
-def measure(share: float = 1.0) -> Result:
+def measure(scale: float = 1.0) -> Result:
     """Replay the demo live and in one go, and compare with the time the hand took."""
     from paint3d.files.load import load_mesh
 
     whole = load_recording(str(files("paint3d.calligraphy") / "data" / "demo.jsonl.gz"))
-    recording = first_samples(whole, max(_FEWEST_SAMPLES, int(len(whole) * share)))
-    surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * share)))
+    recording = whole.part(0, max(_FEWEST_SAMPLES, int(len(whole) * scale)))
+    surface = refined_surface(load_mesh("bowl"), max(100, int(_VERTICES * scale)))
     painter = Painter(surface, brush=recording.header["brush"], ink=recording.header["ink"])
     play(painter, recording)
     counted = painter.report()["footprints"]

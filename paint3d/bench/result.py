@@ -1,4 +1,4 @@
-"""Result of a benchmark: a table, and figures held against what is wanted of them."""
+"""Result of a benchmark: a table, and figures with their bounds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ Cell = str | int | float | None
 
 @dataclass(frozen=True)
 class Check:
-    """One figure and the bound it should keep.
+    """A figure and its bound.
 
     Attributes
     ----------
@@ -35,7 +35,7 @@ class Check:
 
     @property
     def is_met(self) -> bool:
-        """Return whether the figure is as wanted."""
+        """True if the figure keeps its bound."""
         return self.value <= self.bound if self.at_most else self.value >= self.bound
 
 
@@ -76,7 +76,7 @@ class Result:
                 )
 
     def as_dict(self) -> dict[str, Any]:
-        """Everything, ready for JSON."""
+        """Return everything, ready for JSON."""
         return {
             "title": self.title,
             "columns": list(self.columns),

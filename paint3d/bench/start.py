@@ -1,9 +1,9 @@
 """Waiting times: commands and the studio, each in a new process.
 
-What is called *first* runs with an empty home and nothing compiled by numba, after the files of the
-program and its packages, byte code as pip leaves them, have been dropped from memory where the
-system lets one; *again* after that, with the same home. The figures are medians. Wall time is from
-beginning the process to its end, or to what is said.
+*First* is with an empty home, nothing compiled by numba, and the files of the program and its
+packages (byte code as pip leaves it) dropped from memory, where the system permits; *again* is
+after that, with the same home. The figures are medians. Wall time is from the start of the process
+to its end, or to a line of its output.
 """
 
 from __future__ import annotations
@@ -31,9 +31,9 @@ from paint3d.errors import Paint3DError
 __all__ = ["Waited", "measure", "wait_for"]
 
 _ROUNDS = 5
-_LOOK_S = 0.005
-_PATIENCE_S = 600.0
-_LEFT_OUT = (
+_SAMPLING_S = 0.005
+_TIMEOUT_S = 600.0
+_UNSET = (  # environment variables that a new home is without
     "PAINT3D_CONFIG",
     "PAINT3D_STATE",
     "XDG_CONFIG_HOME",
@@ -58,11 +58,11 @@ class Waited:
     ----------
     wall_s : float
     cpu_s : float
-        Of the process and those that it waited for; 0 where the system does not tell.
+        Of the process and those that it waited for; 0 where the system does not measure it.
     peak_mb : float or None
-        The most that it and its children had in memory at a time; None where that is not known.
+        Peak memory of it and its children together; None if unknown.
     lines : list of (float, str)
-        What it wrote, with the seconds since it was begun.
+        Lines of output, each with the seconds since the start.
     """
 
     wall_s: float
@@ -70,8 +70,8 @@ class Waited:
     peak_mb: float | None
     lines: list[tuple[float, str]]
 
-    def until(self, what: str) -> float:
-        """Time at which a line that ends so was written, s.
+    def until(self, ending: str) -> float:
+        """Return the time at which a line with this ending was written, s.
 
         Raises
         ------
@@ -79,13 +79,13 @@ class Waited:
             If there is none.
         """
         for seconds, line in self.lines:
-            if line.endswith(what):
+            if line.endswith(ending):
                 return seconds
-        raise Paint3DError("a process of the benchmark did not say {what!r}", what=what)
+        raise Paint3DError("a process of the benchmark did not write {ending!r}", ending=ending)
 
 
 def wait_for(
-    program: Sequence[str], folder: Path, *, home: Path | None = None, weigh: bool = False
+    program: Sequence[str], folder: Path, *, home: Path | None = None, measure_memory: bool = False
 ) -> Waited:
     """Run a program in a folder and wait for its end.
 
@@ -94,66 +94,65 @@ def wait_for(
     program : sequence of str
     folder : Path
     home : Path, optional
-        The user's, instead of the one there is; numba's cache lies in it, too.
-    weigh : bool
-        Look at its memory while it runs, which takes a core's time.
+        A home to replace the user's; numba's cache lies in it, too.
+    measure_memory : bool
+        Sample its memory while it runs, which takes a core's time.
 
     Raises
     ------
     Paint3DError
         If it fails, or has not ended after ten minutes.
     """
-    environment = dict(os.environ) if home is None else _at_home(home)
+    environment = dict(os.environ)
+    if home is not None:
+        for name in _UNSET:
+            environment.pop(name, None)
+        environment |= {"HOME": os.fspath(home), "USERPROFILE": os.fspath(home)}
+        environment["NUMBA_CACHE_DIR"] = os.fspath(home / "numba")
     before, began = os.times(), time.monotonic()
     process = subprocess.Popen(
         program, cwd=folder, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
     )
-    scale = _Scale(process) if weigh else None
-    limit = threading.Timer(_PATIENCE_S, process.kill)
-    limit.start()
+    sampler = _MemorySampler(process) if measure_memory else None
+    timeout = threading.Timer(_TIMEOUT_S, process.kill)
+    timeout.start()
     lines: list[tuple[float, str]] = []
     assert process.stdout is not None, "it is a pipe"
     with process.stdout as pipe:
         for line in pipe:
             lines.append((time.monotonic() - began, line.decode(errors="replace").strip()))
     status, wall, after = process.wait(), time.monotonic() - began, os.times()
-    limit.cancel()
+    timeout.cancel()
     if status != 0:
-        told = lines[-1][1] if lines else f"exit status {status}"
-        raise Paint3DError("a process of the benchmark failed: {told}", told=told)
+        last = lines[-1][1] if lines else f"exit status {status}"
+        raise Paint3DError("a process of the benchmark failed: {last}", last=last)
     cpu = after.children_user + after.children_system
     cpu -= before.children_user + before.children_system
-    return Waited(wall, cpu, scale.most_mb() if scale is not None else None, lines)
+    return Waited(wall, cpu, sampler.stop() if sampler is not None else None, lines)
 
 
-class _Scale:
-    """Looks at the memory of a process and its descendants, again and again until it has ended."""
+class _MemorySampler:
+    """Samples the memory of a process and its descendants in a thread until `stop`."""
 
     def __init__(self, process: subprocess.Popen[bytes]) -> None:
-        self._process, self._most = process, 0
+        self._process, self._peak = process, 0
         self._over = threading.Event()
-        self._thread = threading.Thread(target=self._look, daemon=True)
+        self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
-    def most_mb(self) -> float | None:
-        """The most that was seen at a time; None where the system does not tell."""
+    def stop(self) -> float | None:
+        """Stop sampling; return the peak, MB, or None if the system does not say it."""
         self._over.set()
         self._thread.join()
-        return 1e-6 * self._most or None
+        return 1e-6 * self._peak or None
 
-    def _look(self) -> None:
-        while not self._over.wait(_LOOK_S):
-            self._most = max(self._most, _memory(self._process.pid))
-
-
-def _at_home(home: Path) -> dict[str, str]:
-    kept = {name: value for name, value in os.environ.items() if name not in _LEFT_OUT}
-    numba = {"NUMBA_CACHE_DIR": os.fspath(home / "numba")}
-    return {**kept, **numba, "HOME": os.fspath(home), "USERPROFILE": os.fspath(home)}
+    def _run(self) -> None:
+        while not self._over.wait(_SAMPLING_S):
+            self._peak = max(self._peak, _resident_bytes(self._process.pid))
 
 
-def _memory(process: int) -> int:
-    """Bytes that a process and its descendants hold, what they share counted for each; or 0."""
+def _resident_bytes(process: int) -> int:
+    """Sum the resident memory of a process and its descendants, bytes; 0 if unknown."""
     total, waiting = 0, [process]
     while waiting:
         one = Path(f"/proc/{waiting.pop()}")
@@ -167,7 +166,7 @@ def _memory(process: int) -> int:
 
 
 def _forget_files() -> None:
-    """Drop the program's files from the system's memory, so that they are read from the disk."""
+    """Drop the program's files from the system's cache, so that they are read from the disk."""
     if not hasattr(os, "posix_fadvise"):
         return
     for folder in {Path(paint3d.__file__).parent, Path(np.__file__).parents[1]}:
@@ -183,7 +182,7 @@ def _forget_files() -> None:
 
 @dataclass
 class _Table:
-    """Rows and checks, as they are found."""
+    """Rows and checks, as they are measured."""
 
     rounds: int
     rows: list[tuple[str, float, float, float | None]] = field(default_factory=list)
@@ -191,26 +190,26 @@ class _Table:
     seconds: dict[str, float] = field(default_factory=dict)
 
     def add(
-        self, what: str, found: Sequence[Waited], wanted: float | None, until: str | None = None
+        self, what: str, runs: Sequence[Waited], wanted: float | None, until: str | None = None
     ) -> None:
-        """A row of medians: of the whole, or until a line is written."""
-        wall = median(one.wall_s if until is None else one.until(until) for one in found)
-        self.rows.append((what, wall, median(one.cpu_s for one in found), wanted))
+        """Add a row of medians: of the whole time, or until a line is written."""
+        wall = median(one.wall_s if until is None else one.until(until) for one in runs)
+        self.rows.append((what, wall, median(one.cpu_s for one in runs), wanted))
         self.seconds[what] = wall
         if wanted is not None:
             self.checks.append(Check(what, wall, wanted, unit="s"))
 
     def times(self, run: Callable[[], Waited]) -> list[Waited]:
-        """Run it as often as is asked for."""
+        """Run it once each round."""
         return [run() for _ in range(self.rounds)]
 
 
-def measure(share: float = 1.0) -> Result:
-    """Seconds until commands are done and the studio can be painted in, first and again.
+def measure(scale: float = 1.0) -> Result:
+    """Measure the time until commands are done and the studio can be painted in.
 
     Parameters
     ----------
-    share : float
+    scale : float
         Of five rounds, of which at least one is run.
 
     Raises
@@ -219,15 +218,15 @@ def measure(share: float = 1.0) -> Result:
         If a process fails.
     """
     compile_dir(Path(paint3d.__file__).parent, quiet=2)  # as pip does when it installs
-    table = _Table(max(1, round(_ROUNDS * share)))
+    table = _Table(max(1, round(_ROUNDS * scale)))
     notes = ["First: empty home, nothing compiled by numba, files dropped from memory."]
     with tempfile.TemporaryDirectory(prefix="paint3d-bench-") as name:
         folder = Path(name)
         homes = _homes(folder)
 
-        def run(home: Path, *arguments: str, weigh: bool = False) -> Waited:
+        def run(home: Path, *arguments: str, measure_memory: bool = False) -> Waited:
             program = (sys.executable, "-m", "paint3d", *arguments)
-            return wait_for(program, folder, home=home, weigh=weigh)
+            return wait_for(program, folder, home=home, measure_memory=measure_memory)
 
         def first(*arguments: str) -> list[Waited]:
             def anew() -> Waited:
@@ -251,7 +250,7 @@ def measure(share: float = 1.0) -> Result:
         table.add("300 hairs, again", table.times(lambda: run(used, *_HAIRS)), None)
         wait = table.seconds["300 hairs, first"] - table.seconds["300 hairs, again"]
         table.checks.append(Check("300 hairs, first more than again", wait, 1.0, unit="s"))
-        peak = run(used, *_WRITE, weigh=True).peak_mb
+        peak = run(used, *_WRITE, measure_memory=True).peak_mb
         if peak is not None:
             notes.append(f"write 永 takes {peak:.0f} MB of memory, children and all.")
             table.checks.append(Check("memory of write", peak, 180.0, unit="MB"))
@@ -260,7 +259,7 @@ def measure(share: float = 1.0) -> Result:
 
 
 def _homes(folder: Path) -> Iterator[Path]:
-    """Empty homes, another one each time."""
+    """Yield empty homes, a new one each time."""
     k = 0
     while True:
         home = folder / f"home-{k}"
@@ -270,7 +269,7 @@ def _homes(folder: Path) -> Iterator[Path]:
 
 
 def _measure_studio(table: _Table, folder: Path, homes: Iterator[Path], used: Path) -> list[str]:
-    """Add the studio's rows; what is to be said of them."""
+    """Add the studio's rows; return notes on them."""
     if not any(os.environ.get(name) for name in _SCREENS):
         return ["The studio was not measured: there is no display (DISPLAY is not set)."]
 
@@ -286,8 +285,8 @@ def _measure_studio(table: _Table, folder: Path, homes: Iterator[Path], used: Pa
     cold = table.times(anew)
     run(used)
     warm = table.times(lambda: run(used))
-    for when, found, stroke_s in (("first", cold, 3.0), ("again", warm, 2.5)):
-        table.add(f"studio's window painted, {when}", found, 3.0, until="window painted")
-        table.add(f"studio hears the hand, {when}", found, stroke_s, until="hears the hand")
-        table.add(f"a first stroke there, {when}", found, None, until="stroke painted")
+    for when, runs, stroke_s in (("first", cold, 3.0), ("again", warm, 2.5)):
+        table.add(f"studio's window painted, {when}", runs, 3.0, until="window painted")
+        table.add(f"studio hears the hand, {when}", runs, stroke_s, until="hears the hand")
+        table.add(f"a first stroke there, {when}", runs, None, until="stroke painted")
     return []

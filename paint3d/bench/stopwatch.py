@@ -1,8 +1,8 @@
-"""Timing on a machine that others use too.
+"""Timing on a shared machine.
 
 The best of several rounds is the figure least disturbed by others; competitors take turns within
-one run, so that a busy minute meets all of them; CPU time leaves out the time others had the core,
-though not the caches they emptied.
+one run, so that a busy minute affects all of them; CPU time excludes the time that others had the
+core, though not the caches they emptied.
 """
 
 from __future__ import annotations
@@ -13,16 +13,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-__all__ = ["Times", "alternate", "best_of", "load_average", "taken_share", "timed_once"]
+__all__ = ["Times", "alternate", "best_of", "load_average", "timed_once", "watch_steal"]
 
 
-_PROCESSOR_TIMES = Path("/proc/stat")
-_STEAL = 7  # a column of a processor's
+_PROC_STAT = Path("/proc/stat")
+_STEAL = 7  # column of a processor's times
 
 
 @dataclass(frozen=True)
 class Times:
-    """Seconds by the clock on the wall, and of this thread on a core."""
+    """Wall time, and CPU time of this thread, s."""
 
     wall_s: float
     cpu_s: float
@@ -33,7 +33,7 @@ class Times:
 
 
 def timed_once(function: Callable[[], object]) -> Times:
-    """Call a function once."""
+    """Time one call of a function."""
     wall, cpu = time.perf_counter(), time.thread_time()
     function()
     return Times(time.perf_counter() - wall, time.thread_time() - cpu)
@@ -42,57 +42,62 @@ def timed_once(function: Callable[[], object]) -> Times:
 def best_of(
     rounds: int, function: Callable[[], object], before: Callable[[], object] | None = None
 ) -> Times:
-    """The best of some rounds; `before` runs ahead of each and is not timed."""
-    found = Times(float("inf"), float("inf"))
+    """Return the best of some rounds; `before` runs before each and is not timed."""
+    best = Times(float("inf"), float("inf"))
     for _ in range(rounds):
         if before is not None:
             before()
-        found = found.best(timed_once(function))
-    return found
+        best = best.best(timed_once(function))
+    return best
 
 
 def alternate(rounds: int, competitors: Mapping[str, Callable[[], object]]) -> dict[str, Times]:
-    """Run competitors by turns; the best of each."""
-    found = dict.fromkeys(competitors, Times(float("inf"), float("inf")))
+    """Run competitors by turns; return the best times of each."""
+    best = dict.fromkeys(competitors, Times(float("inf"), float("inf")))
     for _ in range(rounds):
         for name, function in competitors.items():
-            found[name] = found[name].best(timed_once(function))
-    return found
+            best[name] = best[name].best(timed_once(function))
+    return best
 
 
 def load_average() -> float | None:
-    """Processes that wanted to run over the last minute, or None where that is not known."""
+    """Return the mean number of runnable processes of the last minute; None if unknown."""
     try:
         return round(os.getloadavg()[0], 2)
     except (AttributeError, OSError):
         return None
 
 
-def taken_share() -> Callable[[], float | None]:
-    """Begin to watch how much of this machine's time its host gives to other machines.
+def watch_steal(file: Path = _PROC_STAT) -> Callable[[], float | None]:
+    """Begin to measure the fraction of this machine's time that its host gives to other machines.
+
+    Parameters
+    ----------
+    file : Path
+        As `/proc/stat`, proc(5).
 
     Returns
     -------
     callable
-        Called later, tells the share since, in [0, 1]; None where it is not known (the column
-        "steal" of `/proc/stat`, proc(5): Linux only, and only where the host tells).
+        Returns the fraction since, 0 to 1; None if unknown (Linux only, and only if the host
+        reports it).
     """
-    before = _processor_ticks()
+    before = _processor_ticks(file)
 
-    def share() -> float | None:
-        after = _processor_ticks()
+    def fraction() -> float | None:
+        after = _processor_ticks(file)
         if before is None or after is None or sum(after) <= sum(before):
             return None
         return (after[_STEAL] - before[_STEAL]) / (sum(after) - sum(before))
 
-    return share
+    return fraction
 
 
-def _processor_ticks() -> list[int] | None:
-    """Time of all processors since the machine started, by kind."""
+def _processor_ticks(file: Path) -> list[int] | None:
+    """Read the time of all processors since the machine started, by kind; None if unknown."""
     try:
-        ticks = _PROCESSOR_TIMES.read_text(encoding="ascii").split("\n", 1)[0].split()
-        own = [int(word) for word in ticks[1 : _STEAL + 2]]  # what follows is in them already
+        ticks = file.read_text(encoding="ascii").split("\n", 1)[0].split()
+        kinds = [int(word) for word in ticks[1 : _STEAL + 2]]  # guests' are in these already
     except (OSError, ValueError):
         return None
-    return own if len(own) > _STEAL else None
+    return kinds if len(kinds) > _STEAL else None

@@ -1,9 +1,9 @@
 """The studio's pictures: painting and turning, on a bowl and on a sheet of a million vertices.
 
-A hand of its own thread writes at a device's rate while pictures are drawn as often as it goes; on
-the sheet, which is refined all over, 30 times and 4 times a second too. A mark goes along with the
-hand's samples now and then: it is painted when all before it are, and seen when the next picture is
-there. Turning, there is a new view for every picture.
+A hand in a thread of its own writes at a device's rate while pictures are drawn as fast as
+possible; on the sheet, which is refined all over, 30 times and 4 times a second too. Marks are
+queued among the hand's samples: one is painted when all samples before it are, and seen in the next
+picture. Turning, every picture has a new view.
 """
 
 from __future__ import annotations
@@ -50,16 +50,16 @@ _COLUMNS = (
     "input to ink ms", "95 % ms", "upload kB", "longest queue", "growth",
 )  # fmt: skip
 
-Way = Callable[[float], tuple[AnyArray, AnyArray]]
-"""Place of the brush's root, mm, and its orientation, at a share of the time."""
+Path = Callable[[float], tuple[AnyArray, AnyArray]]
+"""Position of the brush's root, mm, and its orientation, at a fraction of the time."""
 
 
 @dataclass
 class _Hand:
-    """Writes in a thread of its own, and notes what waits."""
+    """Writes in a thread of its own, and records the queue and the marks."""
 
     stage: Stage
-    way: Way
+    path: Path
     seconds: float
     fed: dict[int, float] = field(default_factory=dict)
     marks: dict[int, list[float]] = field(default_factory=dict)  # posted, painted
@@ -68,7 +68,7 @@ class _Hand:
     rests: bool = False
 
     def write(self) -> None:
-        """One stroke, in real time."""
+        """Write one stroke in real time."""
         paint_thread = _paint_thread(self.stage)
         paint_thread.post("begin_stroke")
         start = time.perf_counter()
@@ -80,62 +80,59 @@ class _Hand:
             paint_thread.feed([sample])
             self.queue.append(paint_thread.queue_length)
             if k % _MARK_EVERY == 0:
-                self._mark(k)
+                times = self.marks[k] = [time.perf_counter()]
+                paint_thread.post(lambda _, times=times: times.append(time.perf_counter()))
         self.rests = True
         paint_thread.post("end_stroke").result()
         self.cpu_s = time.thread_time()
 
-    def _mark(self, k: int) -> None:
-        times = self.marks[k] = [time.perf_counter()]
-        _paint_thread(self.stage).post(lambda document: times.append(time.perf_counter()))
-
     def _sample(self, k: int, n: int) -> DeviceSample:
-        """As a hand that presses and lifts a little."""
-        place, turned = self.way(k / n)
+        """Make sample k of n, of a hand that presses and lifts a little."""
+        position, orientation = self.path(k / n)
         pressure = 0.0 if k in (0, n - 1) else 0.35 + 0.15 * math.sin(9.0 * k / _RATE_HZ)
         time_ns = int(4_000_000 * (k + 1))
-        return DeviceSample(time_ns, place, turned, pressure, 0, np.zeros(3), _UPRIGHT)
+        return DeviceSample(time_ns, position, orientation, pressure, 0, np.zeros(3), _UPRIGHT)
 
     def age(self) -> float:
-        """Time since the hand did what it did last, s."""
+        """Return the time since the newest sample that was painted was fed, s."""
         newest = _paint_thread(self.stage).newest
         fed = math.nan if newest is None else self.fed.get(newest.time_ns, math.nan)
         return 0.0 if math.isnan(fed) else time.perf_counter() - fed
 
 
-def _over_the_sheet(seconds: float) -> Way:
-    """Lines to and fro down the sheet, 180 mm/s."""
+def _over_the_sheet(seconds: float) -> Path:
+    """Make a path of lines to and fro down the sheet, 180 mm/s."""
 
-    def way(share: float) -> tuple[AnyArray, AnyArray]:
-        x = 70.0 * math.asin(math.sin(2.4 * share * seconds)) / (0.5 * math.pi)
-        return np.array([x, 75.0 - 150.0 * share, _ABOVE]), _UPRIGHT
+    def path(t: float) -> tuple[AnyArray, AnyArray]:
+        x = 70.0 * math.asin(math.sin(2.4 * t * seconds)) / (0.5 * math.pi)
+        return np.array([x, 75.0 - 150.0 * t, _ABOVE]), _UPRIGHT
 
-    return way
+    return path
 
 
-def _around_the_bowl(stage: Stage) -> Way:
-    """To and fro on the side that is seen, and down."""
+def _around_the_bowl(stage: Stage) -> Path:
+    """Make a path to and fro on the visible side of the bowl, and down."""
     surface = ClosestPoints(_paint_thread(stage).painting.source)
 
-    def way(share: float) -> tuple[AnyArray, AnyArray]:
-        turn = 0.7 * math.sin(14.0 * share) - 0.5 * math.pi
+    def path(t: float) -> tuple[AnyArray, AnyArray]:
+        turn = 0.7 * math.sin(14.0 * t) - 0.5 * math.pi
         out = np.array([math.cos(turn), math.sin(turn), 0.0])
-        hit = surface.cast((200.0 * out + [0.0, 0.0, 55.0 - 20.0 * share])[None], -out[None])
+        hit = surface.cast((200.0 * out + [0.0, 0.0, 55.0 - 20.0 * t])[None], -out[None])
         normal = surface.find(hit.points).normals[0]
         half = np.array([1.0 + normal[2], -normal[1], normal[0], 0.0])  # from z to the normal
         return hit.points[0] + _ABOVE * normal, half / np.linalg.norm(half)
 
-    return way
+    return path
 
 
 def _paint_thread(stage: Stage) -> PaintThread:
-    """Painting thread of a stage where a document is open."""
+    """Return the painting thread of a stage with an open document."""
     assert stage.paint_thread is not None, "a document is open"
     return stage.paint_thread
 
 
 def _stand(document: Document, view: View) -> tuple[Stage, Camera]:
-    """A document on stage, lit and drawn."""
+    """Open a document on a stage; return when it is lit and drawn."""
     stage = Stage(_SIZE)
     stage.open(OpenResult.of(document))
     camera = fit_camera(stage.points, view, _SIZE[0] / _SIZE[1])
@@ -147,17 +144,17 @@ def _stand(document: Document, view: View) -> tuple[Stage, Camera]:
     return stage, camera
 
 
-def _sheet(share: float) -> Document:
-    resolution = math.sqrt(_SHEET_MM2 / (2.0 * _FACE_AREA * _VERTICES * share))
+def _sheet(scale: float) -> Document:
+    resolution = math.sqrt(_SHEET_MM2 / (2.0 * _FACE_AREA * _VERTICES * scale))
     document = Document.new("plane", resolution, "xuan")
     document.surface.refine_all()
     return document
 
 
-def _paint(stage: Stage, way: Way, pace_s: float, seconds: float) -> dict[str, float]:
-    """Write while pictures are drawn at a pace; what that took."""
+def _paint(stage: Stage, path: Path, pace_s: float, seconds: float) -> dict[str, float]:
+    """Paint while pictures are drawn at a pace; return what that took."""
     _paint_thread(stage).post("dip").result()
-    hand = _Hand(stage, way, seconds)
+    hand = _Hand(stage, path, seconds)
     thread = threading.Thread(target=hand.write)
     frames, sizes, ages, seen, drawn = [], [], [], {}, 0.0
     started = time.perf_counter()
@@ -206,7 +203,7 @@ def _paint(stage: Stage, way: Way, pace_s: float, seconds: float) -> dict[str, f
 
 
 def _turn(stage: Stage, camera: Camera, seconds: float) -> dict[str, float]:
-    """Turn while pictures are drawn as often as it goes; what that took."""
+    """Turn the view while pictures are drawn as fast as possible; return what that took."""
     stage.hide_brush()
     frames, start = [], time.perf_counter()
     cpu, own = time.process_time(), _thread_s()
@@ -228,46 +225,46 @@ def _turn(stage: Stage, camera: Camera, seconds: float) -> dict[str, float]:
 
 
 def _thread_s(document: Document | None = None) -> float:
-    """The time that the thread in which it is called has run, s."""
+    """Return the CPU time of the calling thread, s."""
     return time.thread_time()
 
 
 def _uploads(stage: Stage) -> list[tuple[int, int, float]]:
-    """Dirty vertices near each other, what they send, and how long that takes (s)."""
+    """Measure uploads by numbers of neighbouring dirty vertices: number, bytes, time, s."""
     with _paint_thread(stage).paused() as document:
         assert document is not None, "it is open"
         shown = LiveObject(document.surface)
         shown.uploads(np.empty(0, np.int32))
         vertices = document.surface.paint_mesh.vertices
         order = np.argsort(np.hypot(vertices[:, 0], vertices[:, 1])).astype(np.int32)
-        found = []
+        measured = []
         for n in (*_RANGES, len(order)):
             if n > len(order):
                 continue
             started = time.perf_counter()
             uploads = shown.uploads(order[:n])
             spent = time.perf_counter() - started
-            found.append((n, sum(upload.n_bytes for upload in uploads), spent))
-    return found
+            measured.append((n, sum(upload.n_bytes for upload in uploads), spent))
+    return measured
 
 
-def measure(share: float = 1.0) -> Result:
-    """Pictures a second and what each takes, hand-to-ink time, upload and queue.
+def measure(scale: float = 1.0) -> Result:
+    """Measure pictures a second and what each takes, hand-to-ink time, upload and queue.
 
     Parameters
     ----------
-    share : float
+    scale : float
         Of a million vertices, and of 5 s for each row.
     """
-    seconds = max(1.0, _SECONDS * share)
+    seconds = max(1.0, _SECONDS * scale)
     rows, checks = [], []
 
-    def tell(name: str, what: str, got: dict[str, float], check: bool = True) -> None:
+    def add(name: str, what: str, got: dict[str, float], check: bool = True) -> None:
         milli = [1e3 * got[key] for key in ("drawing", "own", "frame", "age")]
         ink = [1e3 * got[key] if key in got else None for key in ("delay", "late")]
-        kept = [got.get("queue"), got.get("growth")]
+        queue = [got.get("queue"), got.get("growth")]
         size = got["size"] / 1e3 if "size" in got else None
-        rows.append((f"{name}, {what}", got["pictures"], *milli, *ink, size, *kept))
+        rows.append((f"{name}, {what}", got["pictures"], *milli, *ink, size, *queue))
         if check:
             wanted = _WANTED[name] if stage.scene.is_software else _CARD_WANTED
             checks.append(Check(f"pictures, {name}, {what}", got["pictures"], wanted, False, "/s"))
@@ -278,23 +275,23 @@ def measure(share: float = 1.0) -> Result:
 
     stage, camera = _stand(Document.new("bowl", _BOWL_MM), _BOWL_VIEW)
     try:
-        tell("bowl", "painting", _paint(stage, _around_the_bowl(stage), 0.0, seconds))
-        tell("bowl", "turning", _turn(stage, camera, seconds))
+        add("bowl", "painting", _paint(stage, _around_the_bowl(stage), 0.0, seconds))
+        add("bowl", "turning", _turn(stage, camera, seconds))
     finally:
         stage.close()
-    stage, camera = _stand(_sheet(share), _SHEET_VIEW)
+    stage, camera = _stand(_sheet(scale), _SHEET_VIEW)
     try:
         vertices = _paint_thread(stage).painting.n_vertices
         for pace, pace_s in _PACES:
             got = _paint(stage, _over_the_sheet(seconds), pace_s, seconds)
-            tell("sheet", "painting" + f", {pace}" * (pace_s > 0.0), got, pace_s == 0.0)
-        tell("sheet", "turning", _turn(stage, camera, seconds))
+            add("sheet", "painting" + f", {pace}" * (pace_s > 0.0), got, pace_s == 0.0)
+        add("sheet", "turning", _turn(stage, camera, seconds))
         uploads = _uploads(stage)
         renderer = stage.scene.renderer_name
     finally:
         stage.close()
     whole = uploads[-1][1]
-    told = ", ".join(f"{n:,}: {size / 1e3:,.0f} kB in {1e3 * s:.1f} ms" for n, size, s in uploads)
+    sizes = ", ".join(f"{n:,}: {size / 1e3:,.0f} kB in {1e3 * s:.1f} ms" for n, size, s in uploads)
     for n, size, _ in uploads[:-1]:
         if n == 10_000:
             checks.append(
@@ -302,10 +299,10 @@ def measure(share: float = 1.0) -> Result:
             )
     notes = [
         f"The sheet has {vertices:,} vertices; {_SIZE[0]} x {_SIZE[1]} pixels, by {renderer}.",
-        "CPU is what drawing a picture takes of all cores, 'here' in the thread that draws; "
-        "without what painting and the hand take.",
-        "'Hand' is how old what the hand did last was when the picture was there: 95 % are newer.",
-        f"Upload by dirty vertices near each other: {told}.",
+        "CPU is the time of all cores for drawing a picture, 'here' of the thread that draws, "
+        "without painting and the hand.",
+        "'Hand' is the age of the hand's newest sample in a picture, 95th percentile.",
+        f"Upload by dirty vertices near each other: {sizes}.",
         f"The hand is read {_RATE_HZ:g} times a second; the queue counts batches of one sample; "
         "its growth is the second half's mean over the first's.",
     ]

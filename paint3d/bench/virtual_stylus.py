@@ -1,12 +1,14 @@
-"""A haptic stylus that is a program: plays a path at its own beat and feels what comes back.
+"""Haptic stylus that is a program: sends a path at its own rate and records the forces it receives.
 
-It speaks the stylus' own reports over a socket that keeps messages apart, from a process of its
-own, as a device on a cable would. What it measured comes back in shared memory.
+It exchanges the stylus' own reports over a socket that preserves messages, from a process of its
+own, as a device on a cable would. Its measurements come back in shared memory.
 """
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
+import os
 import select
 import socket
 import time
@@ -33,7 +35,7 @@ _PATIENCE_S = 60.0
 
 @dataclass(frozen=True, eq=False)
 class Felt:
-    """Measurements of the device's side.
+    """Measurements on the device's side.
 
     Attributes
     ----------
@@ -96,18 +98,18 @@ class VirtualStylus:
         self._go.set()
 
     def is_playing(self) -> bool:
-        """Return whether the path is not yet over."""
+        """Return whether the path is still being sent."""
         return self._process.is_alive()
 
     def felt(self) -> Felt:
-        """Measurements of the device so far."""
+        """Return the measurements so far."""
         assert self._table is not None, "unplugged"
         table = self._table.copy()
         sent = np.nan_to_num(table[:, 5:6]).copy().astype(np.int64)[:, 0]
         return Felt(table[:, 0] * 1e-3, table[:, 1:4], table[:, 4] * 1e-3, sent)
 
     def unplug(self) -> None:
-        """Take the device away, as one does: without a word."""
+        """Disconnect the device without notice."""
         if self._process.is_alive():
             self._process.kill()
         self._process.join()
@@ -121,23 +123,16 @@ def _play(cable: socket.socket, name: str, reports: list[bytes], priority: int, 
     memory = SharedMemory(name=name)
     table = np.ndarray((len(reports), _COLUMNS), np.float64, memory.buf)
     if priority:
-        _hurry(priority)
+        gc.disable()
+        if hasattr(os, "sched_setscheduler"):
+            with suppress(OSError):
+                os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
     cable.setblocking(False)
     if go.wait(_PATIENCE_S):
         with suppress(BrokenPipeError, ConnectionResetError):  # the servo has hung up
             _send_all(cable, table, reports)
     del table
     memory.close()
-
-
-def _hurry(priority: int) -> None:
-    import gc
-    import os
-
-    gc.disable()
-    if hasattr(os, "sched_setscheduler"):
-        with suppress(OSError):
-            os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(priority))
 
 
 def _send_all(cable: socket.socket, table: AnyArray, reports: list[bytes]) -> None:
@@ -156,7 +151,7 @@ def _send_all(cable: socket.socket, table: AnyArray, reports: list[bytes]) -> No
 
 
 def _listen(cable: socket.socket, table: AnyArray, n_sent: int, until: float) -> None:
-    """Take forces until a time; the answer to pose i carries its number."""
+    """Receive forces until a time; the answer to pose i carries its number."""
     while (left := until - time.monotonic()) > 0.0:
         if not select.select([cable], [], [], left)[0]:
             return

@@ -1,10 +1,9 @@
 """Strokes on paper while their ink spreads: how far painting falls behind a hand that goes on.
 
-The painting thread's work is done here one piece after the other, by the rules of
-`app.model.paint_thread`: time passes in small pieces between the samples, and whenever nothing else
-waits.
-The clock that the hand writes by is the CPU time of all this process's threads, so other programs
-on the machine change little, and a second core does not help.
+The painting thread's work is done here in one thread, by the rules of `app.model.paint_thread`:
+time steps of the ink are taken between the samples, and whenever nothing else waits. The hand's
+clock is the CPU time of all this process's threads, so other programs on the machine change little,
+and a second core does not help.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from paint3d.app.model.ink_clock import InkClock
 from paint3d.app.model.paint_thread import Pace
 from paint3d.bench.result import Check, Result
 from paint3d.device.sample import DeviceSample
-from paint3d.painter.ink_time import PIECE_S
+from paint3d.painter.ink_time import INK_STEP_S
 
 __all__ = ["measure"]
 
@@ -41,14 +40,14 @@ _Found = TypeVar("_Found")
 
 @dataclass
 class _Hand:
-    """Writes by a clock of its own, and notes how late everything was done.
+    """Simulates a hand with a clock of its own; records how late everything was done.
 
     Attributes
     ----------
     now, lost_s : float
-        Time since the beginning, and how much of it did not pass for the ink, s.
+        Time since the beginning, and the part of it that did not pass for the ink, s.
     late, slices : list of float
-        How long after it came each batch was done, and what each piece of time took, s.
+        Delay of each batch, and duration of each time step of the ink, s.
     """
 
     document: Document
@@ -63,15 +62,15 @@ class _Hand:
 
     @property
     def lost_s(self) -> float:
-        """Time that did not pass for the ink: left out, or more moved than could be followed."""
-        return PIECE_S * self._clock.left_out + self.slow_s
+        """Time that did not pass for the ink, s: left out, or behind what moved."""
+        return INK_STEP_S * self._clock.left_out + self.slow_s
 
     def ask(self, at: float, work: Callable[[], object] | DeviceSample) -> None:
-        """Have something done, or a sample painted, that comes at a time, s; times rise."""
+        """Queue work, or a sample to paint, for a time, s; times must rise."""
         self._asked.append((at, work))
 
     def go_on(self) -> None:
-        """Do all that was asked for, and let time pass meanwhile."""
+        """Do all that is queued, and let time pass meanwhile."""
         while self._asked:
             at, work = self._asked[0]
             if at <= self.now:
@@ -85,7 +84,7 @@ class _Hand:
                 self._follow_time()
             else:
                 self._spend(self.document.prepare_next_stroke)
-                self.now += max(0.0, min(at - self.now, 0.2 * PIECE_S))
+                self.now += max(0.0, min(at - self.now, 0.2 * INK_STEP_S))
 
     def _paint(self, at: float, sample: DeviceSample) -> None:
         most = self._pace.most(self.now - at)
@@ -95,26 +94,26 @@ class _Hand:
 
     def _follow_time(self) -> None:
         before = self.now
-        self.slow_s += 0.0 if self._follows else PIECE_S
-        self._follows = self._spend(lambda: self.document.follow_time(PIECE_S))
+        self.slow_s += 0.0 if self._follows else INK_STEP_S
+        self._follows = self._spend(lambda: self.document.follow_time(INK_STEP_S))
         self._pace.took(self.now - before)
         self._spend(self.document.refresh)
         self.slices.append(self.now - before)
 
     def _spend(self, work: Callable[[], _Found]) -> _Found:
         before = time.process_time()
-        found = work()
+        result = work()
         self.now += time.process_time() - before
-        return found
+        return result
 
 
 def _stroke(k: int, start_s: float) -> list[DeviceSample]:
-    """One of the strokes: five in a row, pressed and lifted."""
+    """Make stroke k of five in a row, pressed and lifted, from a time, s."""
     n = round(_STROKE_S * _RATE_HZ)
-    share = np.linspace(0.0, 1.0, n)
-    x = -80.0 + _STEP_MM * (k % _IN_A_ROW) + _LENGTH_MM * share
-    y = 70.0 - _STEP_MM * (k // _IN_A_ROW) - 5.0 * (k % 3) * share
-    pressure = 0.5 * np.sin(np.pi * share) ** 0.5
+    t = np.linspace(0.0, 1.0, n)
+    x = -80.0 + _STEP_MM * (k % _IN_A_ROW) + _LENGTH_MM * t
+    y = 70.0 - _STEP_MM * (k // _IN_A_ROW) - 5.0 * (k % 3) * t
+    pressure = 0.5 * np.sin(np.pi * t) ** 0.5
     pressure[[0, -1]] = 0.0
     first = round(1e9 * (start_s + 1.0))
     return [
@@ -127,7 +126,7 @@ def _stroke(k: int, start_s: float) -> list[DeviceSample]:
 
 
 def _warm() -> None:
-    """Load what is compiled."""
+    """Load the compiled kernels."""
     document = Document.new("plane", 4.0, "xuan")
     document.begin_stroke()
     document.feed(_stroke(0, 0.0))
@@ -135,10 +134,10 @@ def _warm() -> None:
     document.end_stroke()
 
 
-def _leave_alone(share: float) -> tuple[int, float]:
-    """Wet vertices of strokes that nobody writes on after, and what a second of theirs takes, s."""
-    document, seconds = Document.new("plane", _RESOLUTION, "xuan"), _ALONE_S * share
-    for k in range(max(1, round(_ALONE * share))):
+def _leave_alone(scale: float) -> tuple[int, float]:
+    """Count the wet vertices of strokes left alone; measure what a second of them takes, s."""
+    document, seconds = Document.new("plane", _RESOLUTION, "xuan"), _ALONE_S * scale
+    for k in range(max(1, round(_ALONE * scale))):
         document.begin_stroke()
         document.feed(_stroke(k, k * (_STROKE_S + _REST_S)))
         document.end_stroke()
@@ -147,19 +146,19 @@ def _leave_alone(share: float) -> tuple[int, float]:
     return document.surface.flow.n_wet, (time.process_time() - before) / seconds
 
 
-def measure(share: float = 1.0) -> Result:
-    """Lateness of 20 strokes at 0.25 mm, pace of their ink's time, and undo.
+def measure(scale: float = 1.0) -> Result:
+    """Measure the lateness of 20 strokes at 0.25 mm, the pace of their ink's time, and undo.
 
     Parameters
     ----------
-    share : float
+    scale : float
         Of the 20 strokes, and of those that are left alone, and how long.
     """
     _warm()
     document = Document.new("plane", _RESOLUTION, "xuan")
     hand = _Hand(document)
     rows, at = [], 0.0
-    n = max(1, round(_STROKES * share))
+    n = max(1, round(_STROKES * scale))
     for k in range(n):
         began, lost, passed = hand.now, hand.lost_s, len(hand.late)
         pieces = len(hand.slices)
@@ -190,7 +189,7 @@ def measure(share: float = 1.0) -> Result:
         checks.append(
             Check("ink's time over the clock's, up to 50,000 wet vertices", min(few), 0.99, False)
         )
-    wet, taken = _leave_alone(share)
+    wet, taken = _leave_alone(scale)
     checks.append(Check(f"a second of ink left alone, {wet:,} wet vertices", taken, 1.0, unit="s"))
     return Result(
         f"{n} wet strokes on xuan at {_RESOLUTION} mm, by this process's CPU time",

@@ -22,7 +22,7 @@ from paint3d.brush.spec import (
 )
 from paint3d.core.arrays import as_number
 from paint3d.core.atomic import write_atomically
-from paint3d.core.parameter_file import check_known, is_parameter_file, named_or_read, read_thing
+from paint3d.core.parameter_file import check_known, find_or_read, is_parameter_file, read_object
 from paint3d.errors import BrushError, Message
 
 __all__ = [
@@ -109,7 +109,7 @@ def read_brush(path: str | Path, presets: Mapping[str, BrushSpec]) -> BrushSpec:
     BrushError
         Naming the file and the parameter, what was got and what was expected.
     """
-    return read_thing(
+    return read_object(
         path, Message("a brush"), BrushError, lambda values, stem: _brush_of(values, stem, presets)
     )
 
@@ -345,7 +345,7 @@ def load_brush(name: str, *, own_files: bool = True) -> BrushSpec:
     """
     presets = load_presets()
     read = functools.partial(read_brush, presets=presets) if own_files else None
-    return named_or_read(name, presets, Message("brush"), BrushError, read)
+    return find_or_read(name, presets, Message("brush"), BrushError, read)
 
 
 def choose_brush(em_mm: float) -> str:

@@ -28,7 +28,7 @@ from paint3d.device.hid_nodes import HidNode, list_nodes
 from paint3d.device.hot_plug import PluggedDevices
 from paint3d.device.sample import StylusReading
 from paint3d.errors import DeviceError, Paint3DError
-from paint3d.haptics.stylus_choice import FoundStylus, find_stylus, key_of_node
+from paint3d.haptics.stylus_choice import DetectedStylus, find_stylus, key_of_node
 from paint3d.pose.calibration import DeviceCalibration
 from paint3d.pose.mouse_settings import MouseSettings
 
@@ -89,9 +89,9 @@ class OpenedDevices(PluggedDevices):
         settings, problem = load_settings()
         if problem is not None:
             sys.stderr.write(f"{problem}\n")
-        self.mouse = MouseSettings.from_words(settings.mouse)
+        self.mouse = MouseSettings.from_dict(settings.mouse)
         self.reader: PortReader | None = None
-        self._other: FoundStylus | None = None  # reached by a library or a service
+        self._other: DetectedStylus | None = None  # reached by a library or a service
         kinds = _OPENED_KINDS.get(stylus, ("mouse",))
         if stylus == "hid":
             find_stylus("hid")
@@ -267,7 +267,7 @@ def _touch_all(devices: OpenedDevices, touches: Touches, names: list[str]) -> No
             )
         time.sleep(_TAKE_S)
         try:
-            touches.hear(devices.take_stylus())
+            touches.add(devices.take_stylus())
             if typed and select.select([sys.stdin], [], [], 0.0)[0]:
                 typed = bool(sys.stdin.readline())
                 if typed:
@@ -304,7 +304,7 @@ def _parse_axes(text: str) -> tuple[str, ...]:
 
 
 def _parse_button(text: str) -> tuple[int, str]:
-    from paint3d.device.button_actions import checked_actions
+    from paint3d.pose.mouse_settings import checked_actions
 
     number, _, action = text.partition("=")
     if not number.isdecimal() or not 1 <= int(number) <= 31:
@@ -410,9 +410,8 @@ def set_devices(options: argparse.Namespace) -> None:
     import dataclasses
 
     from paint3d.app.model.persistence.settings import load_settings, save_settings
-    from paint3d.device.button_actions import DEFAULT_ACTIONS
     from paint3d.haptics.settings import Feel
-    from paint3d.pose.mouse_settings import MouseSettings
+    from paint3d.pose.mouse_settings import DEFAULT_ACTIONS, MouseSettings
 
     settings, problem = load_settings()
     if problem is not None:
@@ -423,20 +422,20 @@ def set_devices(options: argparse.Namespace) -> None:
             settings, mouse={}, feel={}, stylus="auto", buttons=dict(DEFAULT_ACTIONS)
         )
     mouse = dataclasses.replace(
-        MouseSettings.from_words(settings.mouse), **_chosen(options, MouseSettings)
+        MouseSettings.from_dict(settings.mouse), **_chosen(options, MouseSettings)
     )
-    feel = dataclasses.replace(Feel.from_words(settings.feel), **_chosen(options, Feel))
+    feel = dataclasses.replace(Feel.from_dict(settings.feel), **_chosen(options, Feel))
     buttons = {**settings.buttons, **dict(options.buttons or ())}
     settings = dataclasses.replace(
         settings,
-        mouse=mouse.as_words(),
-        feel=feel.as_words(),
+        mouse=mouse.as_dict(),
+        feel=feel.as_dict(),
         buttons={number: action for number, action in buttons.items() if action},
         stylus=options.stylus or settings.stylus,
     )
     if settings != before:
         save_settings(settings)
-    _show(mouse.as_words(), settings.buttons, {"stylus": settings.stylus, **feel.as_words()})
+    _show(mouse.as_dict(), settings.buttons, {"stylus": settings.stylus, **feel.as_dict()})
 
 
 def _chosen(options: argparse.Namespace, kind: type) -> dict[str, Any]:
@@ -675,9 +674,9 @@ def _check(options: argparse.Namespace) -> None:
 
 
 def _rate_at(name: str, times: list[int]) -> list[str]:
-    from paint3d.device.report_rate import find_report_rate
+    from paint3d.device.report_timing import measure_report_rate
 
-    rate = find_report_rate(times)
+    rate = measure_report_rate(times)
     if not rate.rate_hz:
         return [f"{name}: {rate.n} reports; move it while it is checked"]
     return [
@@ -690,7 +689,7 @@ def _rate_at(name: str, times: list[int]) -> list[str]:
 def _rate_of(node: HidNode, reports: list[tuple[int, bytes]]) -> str:
     import numpy as np
 
-    from paint3d.device.report_rate import lateness_ms
+    from paint3d.device.report_timing import lateness_ms
 
     (line,) = _rate_at(node.name, [time_ns for time_ns, _ in reports])
     numbered = [(t, r) for t, r in reports if node.kind == "stylus" and len(r) >= 25]
@@ -764,7 +763,7 @@ def _take_samples(
 
     log = None if options.raw is None else DeviceLog(options.raw)
     try:
-        devices = _plug_in(options.stylus, None if log is None else log.keep)
+        devices = _plug_in(options.stylus, None if log is None else log.append)
         try:
             if log is not None and devices.reader is not None:
                 raise DeviceError(

@@ -156,7 +156,7 @@ class Watch:
         progress: Callable[[float], None],
     ) -> Callable[[float], None]:
         """Return a progress callback for `Painter.replay` that records, and calls another one."""
-        from paint3d.painter.ink_time import PIECE_S
+        from paint3d.painter.ink_time import INK_STEP_S
         from paint3d.recording.recording import HandTime
 
         wet, n = rest_s is not None, len(recording)
@@ -169,7 +169,7 @@ class Watch:
             if k > before:
                 self.at(float(when[k if wet else min(k + 1, n - 1)]))
             else:  # ink spreads
-                self.at(self._seconds + PIECE_S)
+                self.at(self._seconds + INK_STEP_S)
             before = k
             progress(fraction)
 
@@ -177,14 +177,14 @@ class Watch:
 
     def resting(self, progress: Callable[[float], None]) -> Callable[[float], None]:
         """Return a progress callback for `Painter.rest` that records, and calls another one."""
-        from paint3d.painter.ink_time import PIECE_S
+        from paint3d.painter.ink_time import INK_STEP_S
 
         before = 0.0
 
         def report(fraction: float) -> None:
             nonlocal before
             if fraction > before:  # else the ink's time stands still
-                self.at(self._seconds + PIECE_S)
+                self.at(self._seconds + INK_STEP_S)
             before = fraction
             progress(fraction)
 

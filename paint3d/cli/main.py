@@ -23,7 +23,7 @@ from contextlib import contextmanager, nullcontext
 from importlib import import_module
 
 from paint3d.cli.options import Parser, UsageError
-from paint3d.core.ending import Ends, remove_unfinished
+from paint3d.core.ending import TerminationHandler, remove_unfinished
 from paint3d.core.machine import discard_output
 from paint3d.errors import Paint3DError
 
@@ -234,14 +234,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         logging.getLogger().addHandler(logging.NullHandler())
     words = list(sys.argv[1:] if arguments is None else arguments)
     words[:1] = [_ALIASES.get(word, word) for word in words[:1]]
-    ends = Ends()
+    termination = TerminationHandler()
     try:
-        with _repeating_interrupts(), nullcontext() if words[:1] == [_BY_ITSELF] else ends:
+        with _repeating_interrupts(), nullcontext() if words[:1] == [_BY_ITSELF] else termination:
             return _run(words)
     except KeyboardInterrupt:
         remove_unfinished()
-        _print_error("asked to end" if ends.status else "interrupted")
-        return ends.status or _INTERRUPTED
+        _print_error("asked to end" if termination.status else "interrupted")
+        return termination.status or _INTERRUPTED
     except Exception as error:
         if debug:
             traceback.print_exc()

@@ -138,7 +138,9 @@ def _build(options: argparse.Namespace) -> None:
             options.ink or folder.INKS,
             progress,
             materials=options.material or folder.MATERIALS,
-            copybook=[text for text in options.copybook or folder.known_texts() if text.strip()],
+            copybook=[
+                text for text in options.copybook or folder.available_texts() if text.strip()
+            ],
             signed=True,
             seals=options.seals,
             page=folder.BUILT,

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from paint3d.mesh.triangle_mesh import TriangleMesh
     from paint3d.painter.flat_input import LaidPad
     from paint3d.painter.painter import Painter
-    from paint3d.painter.pose_check import Doubts
+    from paint3d.painter.pose_check import PoseWarnings
     from paint3d.painter.stroke_table import StrokeTable
     from paint3d.recording.recording import Recording
     from paint3d.surface.painted_surface import PaintedSurface
@@ -346,8 +346,8 @@ class _SharingPickler(pickle.Pickler):
 
 def check_poses(
     recording: Recording, surface: PaintedSurface, wished: str | None, name: str
-) -> Doubts:
-    """Refuse poses whose handle points into the object; return other doubts.
+) -> PoseWarnings:
+    """Refuse poses whose handle points into the object; return other warnings.
 
     Raises
     ------
@@ -355,15 +355,15 @@ def check_poses(
         If it does in most samples near the surface; it says what to do, which is another thing
         where it was recorded on another object.
     """
-    from paint3d.painter.pose_check import doubts_of, rooted
+    from paint3d.painter.pose_check import fit_to_tuft, inspect_poses
 
     length_mm = _brush(recording, wished).length_mm
-    doubts = doubts_of(rooted(recording, length_mm), surface.closest_points, length_mm)
-    if doubts.handle is None:
-        return doubts
+    warnings = inspect_poses(fit_to_tuft(recording, length_mm), surface.closest_points, length_mm)
+    if warnings.handle is None:
+        return warnings
     made_on, object_ = recording.header.get("object"), surface.source.name
     if not isinstance(made_on, str) or made_on == object_:
-        raise RecordingError("{name}: {handle}", name=name, handle=doubts.handle)
+        raise RecordingError("{name}: {handle}", name=name, handle=warnings.handle)
     raise RecordingError(
         "{name}: it was recorded on {made_on}, and at the same positions the handle would point "
         "into {object}; expected --at U,V, which lays its strokes on {object}",
@@ -575,14 +575,14 @@ def paint_onto(
     import numpy as np
 
     from paint3d.painter.flat_input import LaidPad
-    from paint3d.painter.ink_time import PIECE_NS, PIECE_S
-    from paint3d.painter.pose_check import rooted
-    from paint3d.painter.recorded_tools import eraser_runs, recorded_amount, told_at
+    from paint3d.painter.ink_time import INK_STEP_NS, INK_STEP_S
+    from paint3d.painter.pose_check import fit_to_tuft
+    from paint3d.painter.recorded_tools import changes_at, eraser_runs, recorded_amount
 
     if isinstance(recording, LaidPad):
         recording = recording.whole()
     brush, ink = _brush(recording, wanted.brush), _ink(recording, wanted.ink)
-    recording = rooted(recording, brush.length_mm)
+    recording = fit_to_tuft(recording, brush.length_mm)
     tip, reach = _tip(recording, wanted)
     document.set_azimuth(recording.header["azimuth"])
     document.set_brush(_with_hairs(brush, wanted.hairs))
@@ -593,9 +593,9 @@ def paint_onto(
     document.refresh()  # what changes from here on is what the recording paints
     before = Before.of(document)
     n, time_ns, is_wet = len(recording), recording.time_ns, wanted.spread is not None
-    loads, strengths = told_at(recording.header, time_ns)
+    loads, strengths = changes_at(recording.header, time_ns)
     if is_wet or watch is not None:  # time passes between these
-        step_ns = PIECE_NS if is_wet else round(1e9 * watch.step_s)  # type: ignore[union-attr]
+        step_ns = INK_STEP_NS if is_wet else round(1e9 * watch.step_s)  # type: ignore[union-attr]
         ends = np.flatnonzero(np.diff(time_ns // step_ns)) + 1
     else:
         ends = np.arange(_AT_ONCE, n, _AT_ONCE)
@@ -616,7 +616,7 @@ def paint_onto(
                 )
             document.feed(list(recording.part(first, end).samples()))
             if is_wet and end < n:
-                pieces = int(time_ns[end] // PIECE_NS - time_ns[end - 1] // PIECE_NS)
+                pieces = int(time_ns[end] // INK_STEP_NS - time_ns[end - 1] // INK_STEP_NS)
                 _let_pass(document, pieces, lambda _: None)
             report(end / n)
             first = end
@@ -625,7 +625,7 @@ def paint_onto(
         if wanted.spread is not None:
             with ProgressBar("spreading", enabled=not wanted.quiet) as progress:
                 resting = progress if watch is None else watch.resting(progress)
-                _let_pass(document, round(min(wanted.spread, _LONGEST_S) / PIECE_S), resting)
+                _let_pass(document, round(min(wanted.spread, _LONGEST_S) / INK_STEP_S), resting)
         over = fraction_over(document, before)  # before the report, which updates colours
         counts = document.painter.report()
     counts["over_paint"] = round(over, 4)
@@ -649,10 +649,10 @@ def _with_hairs(brush: BrushSpec, hairs: int | None) -> BrushSpec:
 
 def _let_pass(document: Document, pieces: int, report: Callable[[float], None]) -> None:
     """Advance the ink by so many steps of its time, or until it is dry."""
-    from paint3d.painter.ink_time import PIECE_S
+    from paint3d.painter.ink_time import INK_STEP_S
 
     for k in range(pieces):
-        document.follow_time(PIECE_S)
+        document.follow_time(INK_STEP_S)
         report((k + 1) / pieces)
         if document.surface.flow.is_dry:
             return

@@ -9,7 +9,7 @@ from contextlib import suppress
 from types import TracebackType
 from typing import Self, TextIO
 
-from paint3d.core.machine import discard_output, leave_interrupts_to_others
+from paint3d.core.machine import block_termination_signals, discard_output
 
 __all__ = ["ProgressBar", "say_if_compiling"]
 
@@ -104,7 +104,7 @@ class ProgressBar:
             discard_output(self._stream)
 
     def _tick(self) -> None:
-        leave_interrupts_to_others()  # the main thread is to get them
+        block_termination_signals()  # the main thread is to get them
         if not self._is_terminal:
             self._write_lines()
             return

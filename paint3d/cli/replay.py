@@ -135,7 +135,7 @@ def run(options: argparse.Namespace) -> None:
     wanted.check_object()
     from paint3d.device.recorded import MODEL
     from paint3d.files.project.session import is_session_path
-    from paint3d.painter.pose_check import log_doubts
+    from paint3d.painter.pose_check import log_warnings
     from paint3d.painter.stroke_table import StrokeTable
     from paint3d.recording.recording import Recording, load_recording
     from paint3d.recording.score import is_score
@@ -177,9 +177,9 @@ def run(options: argparse.Namespace) -> None:
     take_layer(document or surface, options.layer)
     with ProgressBar("laying", enabled=not options.quiet):
         laid = lay_on(mesh, _relate_to_object(recording, mesh, options), options.at, options.size)
-    doubts: tuple[Message | None, ...] = ()
+    warnings: tuple[Message | None, ...] = ()
     if isinstance(laid, Recording) and not recording.is_pad:
-        doubts = check_poses(laid, surface, wanted.brush, str(options.recording))
+        warnings = check_poses(laid, surface, wanted.brush, str(options.recording))
     watch = None if film is None else film.of_recording(surface, laid, wanted.spread)
     table = None if options.stroke_table is None else StrokeTable()
     if document is None:
@@ -189,7 +189,7 @@ def run(options: argparse.Namespace) -> None:
     with ProgressBar("looking", enabled=not options.quiet):
         refuse_untouched(painting, laid, mesh, str(options.recording))
     if document is not None:  # else the painter has logged them
-        log_doubts(doubts)
+        log_warnings(warnings)
     finish(painting, options, watch)
     if table is not None:
         table.write(options.stroke_table)

@@ -422,7 +422,7 @@ def _reason(
     roots = []
     for first in range(0, n, _PART):
         part = recording.part(first, min(n, first + _PART))
-        root = brush_poses(part).way
+        root = brush_poses(part).points
         if part.pressure is not None:
             root = root[part.pressure > 0.0]
         roots.append(root[:: 1 + n // _MOST])

@@ -22,7 +22,7 @@ import numpy as np
 from paint3d.colour.pigments import BANDS_NM
 from paint3d.colour.spectra import WAVELENGTHS, decode_srgb
 from paint3d.core.arrays import AnyArray, as_array, as_number
-from paint3d.core.parameter_file import check_known, is_parameter_file, named_or_read, read_thing
+from paint3d.core.parameter_file import check_known, find_or_read, is_parameter_file, read_object
 from paint3d.errors import Message, PigmentError
 
 __all__ = [
@@ -243,7 +243,7 @@ def load_material(name: str, *, own_files: bool = True) -> Material:
     """
     materials = load_materials()
     read = partial(read_material, known=materials) if own_files else None
-    return named_or_read(name, materials, Message("material"), PigmentError, read)
+    return find_or_read(name, materials, Message("material"), PigmentError, read)
 
 
 # ---- Files ---------------------------------------------------------------------------------------
@@ -288,7 +288,7 @@ def read_material(path: str | Path, known: Mapping[str, Material]) -> Material:
     PigmentError
         Naming the file and the parameter, the value and what was expected.
     """
-    return read_thing(
+    return read_object(
         path,
         Message("a material"),
         PigmentError,

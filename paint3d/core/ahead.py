@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from typing import TypeVar
 
-from paint3d.core.machine import leave_interrupts_to_others
+from paint3d.core.machine import block_termination_signals
 
 __all__ = ["ahead", "beside"]
 
@@ -30,11 +30,11 @@ def ahead(makers: Iterable[Callable[[], T]]) -> Iterator[T]:
     if following is None:
         yield made
         return
-    with ThreadPoolExecutor(1, "ahead", leave_interrupts_to_others) as beside:
+    with ThreadPoolExecutor(1, "ahead", block_termination_signals) as executor:
         while following is not None:
-            coming = beside.submit(following)
+            future = executor.submit(following)
             yield made
-            made = coming.result()
+            made = future.result()
             following = next(waiting, None)
         yield made
 
@@ -46,6 +46,6 @@ def beside(make: Callable[[], object]) -> Iterator[None]:
     The end of the body waits for it. An error in it is dropped: nothing is cached then, and
     whoever needs the result raises it again.
     """
-    with ThreadPoolExecutor(1, "beside", leave_interrupts_to_others) as thread:
-        thread.submit(make)
+    with ThreadPoolExecutor(1, "beside", block_termination_signals) as executor:
+        executor.submit(make)
         yield

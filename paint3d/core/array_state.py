@@ -1,6 +1,6 @@
-"""States of arrays, numbers and words, as files hold them.
+"""Serialization of states of arrays, numbers and texts.
 
-JSON holds arrays as lists (`listed`, `record_words`). An archive holds words and arrays apart
+JSON holds arrays as lists (`listed`, `record_words`). An archive holds arrays apart from the rest
 (`split_state`, `join_state`), and many arrays of different lengths as one column: one entry an
 array would be too many (`starts_of`, `spans_of`; `pack_arrays` and `unpack_arrays` store equal ones
 once, since steps of a history share what they left unchanged).
@@ -23,6 +23,7 @@ from paint3d.errors import SessionError
 __all__ = [
     "Ragged",
     "join_state",
+    "known_fields",
     "listed",
     "pack_arrays",
     "record_words",
@@ -47,13 +48,19 @@ def record_words(record: Any) -> dict[str, Any]:
     )
 
 
-# ---- Words apart from arrays ---------------------------------------------------------------------
+def known_fields(kind: type[Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return those values that are fields of a dataclass: what a later version wrote is dropped."""
+    names = {field.name for field in fields(kind)}
+    return {name: value for name, value in values.items() if name in names}
+
+
+# ---- Arrays apart from the rest ------------------------------------------------------------------
 
 
 def split_state(
     state: Mapping[str, object], prefix: str
 ) -> tuple[dict[str, Any], dict[str, AnyArray]]:
-    """Return words and numbers by themselves, and the arrays by their way through the mappings."""
+    """Return texts and numbers by themselves, and arrays by their path through the mappings."""
     words, arrays = dict[str, Any](), dict[str, AnyArray]()
     for name, value in state.items():
         if isinstance(value, np.ndarray):
@@ -69,11 +76,11 @@ def split_state(
 def join_state(
     words: Mapping[str, object], arrays: Mapping[str, AnyArray], prefix: str
 ) -> dict[str, Any]:
-    """Return what `split_state` took apart: arrays of a prefix, and of mappings one step in."""
+    """Join what `split_state` took apart: arrays of a prefix, and of mappings one level down."""
     state: dict[str, object] = {}
     for name, value in words.items():
-        way = f"{prefix}{name}/"
-        inner = {k.removeprefix(way): v for k, v in arrays.items() if k.startswith(way)}
+        path = f"{prefix}{name}/"
+        inner = {k.removeprefix(path): v for k, v in arrays.items() if k.startswith(path)}
         state[name] = {**value, **inner} if inner and isinstance(value, Mapping) else value
     own = {k.removeprefix(prefix): v for k, v in arrays.items() if k.startswith(prefix)}
     return state | {name: array for name, array in own.items() if "/" not in name}
@@ -83,19 +90,19 @@ def join_state(
 
 
 def starts_of(lengths: Sequence[int]) -> AnyArray:
-    """Return where each of K arrays starts in their column, and where it ends: (K + 1,) int64."""
+    """Compute where each of K arrays starts in their column, and the end: (K + 1,) int64."""
     return np.concatenate([[0], np.cumsum(lengths, dtype=np.int64)]).astype(np.int64)
 
 
 def spans_of(starts: AnyArray, n_rows: int, least: int = 0) -> list[slice] | None:
-    """Return where each array lies in a column of `n_rows`; None if untrusted starts do not say it.
+    """Compute the slice of each array in a column of `n_rows`; None if untrusted starts are wrong.
 
     Parameters
     ----------
     starts : (K + 1,) int64
     n_rows : int
     least : int
-        Rows that each has.
+        Rows that each has at least.
     """
     whole = starts.dtype == np.int64 and starts.ndim == 1 and len(starts) > 0
     if not whole or starts[0] != 0 or starts[-1] != n_rows or (np.diff(starts) < least).any():
@@ -150,9 +157,11 @@ def unpack_arrays(
         )
     spans = spans_of(starts, len(column))
     if spans is None:
-        raise SessionError("{name} has {n} rows that are not shared out", name=name, n=len(column))
+        raise SessionError(
+            "{name} has {n} rows, which its starts do not divide", name=name, n=len(column)
+        )
     if column.dtype.kind == "f" and not np.isfinite(column).all():
-        raise SessionError("{name} holds what is no number", name=name)
+        raise SessionError("{name} holds what is not a finite number", name=name)
     if of.dtype != np.int32 or of.shape != (count,):
         raise SessionError(
             "{name} is given {of_shape} times; expected {count}",

@@ -1,9 +1,9 @@
-"""A process that gives up what it does not need, for good, before it looks at a stranger's file.
+"""Confinement of a process, for good, before it reads an untrusted file.
 
-On Linux it gains no more privileges, and then neither writes, starts nor reaches anything, by two
-means that each hold alone: Landlock, rules of the kernel on files, TCP ports and signals, and a
-seccomp filter, by which system calls fail. Neither needs rights. A system that lacks one, or has it
-switched off, is left as it is: what the process then may still do, its limits and its parent bound.
+On Linux it gains no more privileges, and then can neither write files, start programs nor reach
+others, by two independent means: Landlock, rules of the kernel on files, TCP ports and signals, and
+a seccomp filter, by which system calls fail. Neither needs privileges. Where one is missing or
+switched off, the other, the process's limits and its parent remain.
 """
 
 from __future__ import annotations
@@ -23,15 +23,15 @@ _PR_SET_NO_NEW_PRIVS = 38
 
 
 def confine_process() -> tuple[str, ...]:
-    """Let this process write no file, reach no network and start no program from now on.
+    """Forbid this process and its children to write files, use networks or start programs.
 
-    It may read what its user may, write to what is open, and have threads. What it may not ends in
-    EPERM. For good: there is no way back, nor for its children.
+    It may read what its user may, write to files that are open, and have threads. Other calls end
+    in EPERM. This cannot be undone.
 
     Returns
     -------
     tuple of str
-        What holds of `PRIVILEGES`, `LANDLOCK` and `SECCOMP`.
+        Those of `PRIVILEGES`, `LANDLOCK` and `SECCOMP` that are in effect.
     """
     if not sys.platform.startswith("linux"):
         return ()
@@ -49,8 +49,7 @@ def confine_process() -> tuple[str, ...]:
 
 
 # ---- Landlock ------------------------------------------------------------------------------------
-# The system's header linux/landlock.h; each version of its interface knows more.
-
+# See linux/landlock.h; each version of the interface adds rights.
 
 _CREATE_RULESET, _RESTRICT_SELF = 444, 446  # of every processor
 _ASK_VERSION = 1
@@ -61,6 +60,7 @@ _SCOPE_VERSION, _SCOPES = 6, 0b11  # abstract sockets and signals of others
 
 
 def _give_up_files(libc: Any) -> bool:
+    """Forbid by Landlock all that this version of it can; return whether it does."""
     import ctypes
 
     call = libc.syscall
@@ -123,14 +123,14 @@ _CALLS = {  # their numbers on x86-64 and on 64-bit Arm
     "userfaultfd": (323, 282), "io_uring_setup": (425, 425), "open_by_handle_at": (304, 265),
     "setpriority": (141, 140), "sched_setscheduler": (144, 119), "sched_setattr": (314, 274),
 }  # fmt: skip
-# What these ask a filter cannot see; C libraries do without them.
+# A filter cannot see the arguments of these; C libraries fall back to others.
 _HIDDEN = {"openat2": 437, "clone3": 435}
 _LOAD, _EQUAL, _AT_LEAST, _ANY_BIT, _RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
 # instructions of BPF: ld, jeq, jge, jset, ret
 _WRITING = os.O_WRONLY | os.O_RDWR | os.O_CREAT | os.O_TRUNC
 _CLONE_THREAD = 0x10000
 _TIOCSTI, _TIOCLINUX = 0x5412, 0x541C
-_ASKING = (  # calls that fail by an argument: its place, how it is looked at, and if so or if not
+_ASKING = (  # calls that fail by an argument: its index, comparison, operand, and for which result
     ((2, _ABSENT), 1, _ANY_BIT, _WRITING, True),  # open
     ((257, 56), 2, _ANY_BIT, _WRITING, True),  # openat
     ((56, 220), 0, _ANY_BIT, _CLONE_THREAD, False),  # clone: a thread is all that may be
@@ -145,14 +145,14 @@ _NR_AT, _ARCH_AT, _ARGS_AT = 0, 4, 16  # bytes, in struct seccomp_data
 
 
 def _processor() -> _Processor | None:
-    """The processor of this process, if it is one whose calls are known."""
+    """Return the processor of this process; None if its system calls are not listed."""
     import platform
 
     return _PROCESSORS.get(platform.machine()) if sys.maxsize > 1 << 32 else None
 
 
 class Refused(NamedTuple):
-    """System calls that fail by their numbers: always, as if there were none, or by an argument."""
+    """Numbers of system calls that fail: always, as if missing (ENOSYS), or by an argument."""
 
     always: Sequence[int]
     missing: Sequence[int] = ()
@@ -174,7 +174,7 @@ def _refused_here() -> Refused:
 
 
 def filter_calls(refused: Refused) -> bool:
-    """Let system calls of this process fail from now on; return whether they do."""
+    """Install a seccomp filter by which system calls fail; return whether it is in effect."""
     import ctypes
 
     processor = _processor()
@@ -188,7 +188,7 @@ def filter_calls(refused: Refused) -> bool:
 
 
 def _program(processor: _Processor, refused: Refused) -> Iterator[tuple[int, int, int, int]]:
-    """Yield instructions: what, how many to pass over if it is so and if not, and its number."""
+    """Yield instructions of BPF: code, jumps if true and if false, and operand."""
     refuse = (_RETURN, 0, 0, _FAIL | errno.EPERM)
     yield _LOAD, 0, 0, _ARCH_AT
     yield _EQUAL, 1, 0, processor.arch

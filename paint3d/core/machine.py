@@ -1,8 +1,8 @@
-"""What operating systems do each in their own way, and what is done where one cannot do it.
+"""Functions of the operating system that differ between systems, with fallbacks.
 
-All that the program needs of a system beyond Python's common ground is here, but for the priority
-of a servo (`haptics.realtime`) and the right to open a device (`device.hid_link`). Tried on Linux
-alone; what stands in elsewhere is tried there, with Linux's own hidden.
+All that the program needs of a system beyond Python's portable functions is here, except for the
+priority of a servo (`haptics.realtime`) and permission to open a device (`device.hid_link`). Tested
+on Linux only; the fallbacks are tested there, with Linux's own functions hidden.
 """
 
 from __future__ import annotations
@@ -26,30 +26,30 @@ from typing import Any, BinaryIO, TextIO, cast
 __all__ = [
     "APPENDING",
     "ENDING",
+    "block_termination_signals",
     "blocking_interrupts",
     "copy_permissions",
+    "create_locked",
     "discard_output",
     "end_with_parent",
     "flush_file",
     "flush_folder",
-    "from_parent",
+    "forbid_opening",
     "give_back_memory",
-    "handed_to_child",
-    "hold_new",
     "ignore_interrupts",
+    "inherit_file",
     "interrupt",
     "is_locked",
     "is_private",
-    "leave_interrupts_to_others",
     "limit_process",
     "lock",
     "make_memory_file",
-    "nobodys",
-    "open_no_more",
+    "open_inherited",
     "reserve_space",
     "this_machine",
+    "try_locking",
     "usable_cores",
-    "user_number",
+    "user_id",
 ]
 
 APPENDING = os.O_WRONLY | os.O_APPEND | getattr(os, "O_CLOEXEC", 0) | getattr(os, "O_BINARY", 0)
@@ -58,14 +58,14 @@ ENDING = tuple(
     getattr(signal, name) for name in ("SIGTERM", "SIGINT", "SIGHUP") if hasattr(signal, name)
 )
 """Signals that ask a process to end."""
-_LOOKS_S = 0.3  # that a look whether a file is locked may take where no core is free
-_LOOK_AGAIN_S = 0.002
+_LOCK_TIMEOUT_S = 0.3  # `is_locked` may hold a lock for so long where no core is free
+_LOCK_RETRY_S = 0.002
 _ACCESS_LIST = "system.posix_acl_access"
 _STARTED = Path("/proc/sys/kernel/random/boot_id")  # on Linux
 
 
 def _module(name: str) -> ModuleType | None:
-    """A module of Python's that not every system has."""
+    """Import a module of Python's that not every system has; None if this one has not."""
     try:
         return importlib.import_module(name)
     except ImportError:
@@ -73,10 +73,7 @@ def _module(name: str) -> ModuleType | None:
 
 
 def give_back_memory() -> None:
-    """Hand back to the system what was freed in this process; nothing, where that is not known.
-
-    glibc keeps what lies below anything that is still in use, for each of many threads.
-    """
+    """Return freed memory to the system (glibc only, which keeps it for each of many threads)."""
     import ctypes
 
     with suppress(OSError, AttributeError, TypeError):
@@ -86,26 +83,26 @@ def give_back_memory() -> None:
 # -- users and processors -----------------------------------------------------------------------
 
 
-def user_number() -> int:
-    """The number of the user who runs this process; 0 where users have none."""
+def user_id() -> int:
+    """Return the number of the user who runs this process; 0 where users have none."""
     return os.geteuid() if hasattr(os, "geteuid") else 0
 
 
 def is_private(folder: Path) -> bool:
-    """Whether it is a folder (no link to one) that this user owns and nobody else can enter.
+    """Return whether it is a folder (no link to one) that this user alone owns and can enter.
 
     Where users have no numbers, temporary folders are a user's own already.
     """
-    found = os.lstat(folder)
-    if not stat.S_ISDIR(found.st_mode):
+    status = os.lstat(folder)
+    if not stat.S_ISDIR(status.st_mode):
         return False
     if not hasattr(os, "geteuid"):
         return True
-    return found.st_uid == os.geteuid() and not found.st_mode & 0o077
+    return status.st_uid == os.geteuid() and not status.st_mode & 0o077
 
 
 def usable_cores() -> int:
-    """How many cores this process may use."""
+    """Return how many cores this process may use."""
     if hasattr(os, "sched_getaffinity"):
         return len(os.sched_getaffinity(0))
     return os.cpu_count() or 1
@@ -113,7 +110,7 @@ def usable_cores() -> int:
 
 @cache
 def this_machine() -> str:
-    """Eight hexadecimal digits that hardly another machine has, or this one when it starts anew."""
+    """Return eight hexadecimal digits that identify this machine since its last start."""
     name = os.uname().nodename if hasattr(os, "uname") else os.environ.get("COMPUTERNAME", "")
     started = b""
     with suppress(OSError):
@@ -126,18 +123,17 @@ def this_machine() -> str:
 
 @contextmanager
 def blocking_interrupts() -> Iterator[None]:
-    """Keep what asks to end from this thread, and for good from processes that are started here.
+    """Block termination signals in this thread, and in processes that it starts in the block.
 
-    Those call `ignore_interrupts` when they are ready to. Another thread may take it, which the
-    main thread hears of all the same: `ending.holding_interrupts` sees to that. Elsewhere than on
-    POSIX systems nothing is kept from anybody.
+    Those processes call `ignore_interrupts` when they are ready. Other threads still receive the
+    signals, which `ending.holding_interrupts` defers. Without effect on systems other than POSIX.
     """
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     from multiprocessing import resource_tracker
 
-    resource_tracker.ensure_running()  # once more would let interrupts through
+    resource_tracker.ensure_running()  # starting it later would unblock the signals
     blocked = signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
     try:
         yield
@@ -146,19 +142,19 @@ def blocking_interrupts() -> Iterator[None]:
 
 
 def discard_output(stream: TextIO) -> None:
-    """Let what is written to a stream go nowhere: whoever read it, or its terminal, is gone."""
+    """Redirect a stream to the null device: its reader, or its terminal, is gone."""
     with suppress(OSError):  # some streams are no files
         os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
-def leave_interrupts_to_others() -> None:
-    """Let what asks to end go to this process's other threads, not to this one."""
+def block_termination_signals() -> None:
+    """Block termination signals in the calling thread; other threads receive them."""
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_BLOCK, ENDING)
 
 
 def interrupt() -> None:
-    """Interrupt this process's main thread, in what it waits for too where that can be done."""
+    """Interrupt this process's main thread, in a system call too where the system can."""
     if hasattr(signal, "pthread_kill"):
         signal.pthread_kill(cast("int", threading.main_thread().ident), signal.SIGINT)
     else:
@@ -166,40 +162,39 @@ def interrupt() -> None:
 
 
 def ignore_interrupts() -> None:
-    """Ignore interrupts in this process: whoever started it is to end it."""
+    """Ignore interrupts in this process, which its parent will end."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, ENDING)
 
 
 def end_with_parent(end: Callable[[int], object] = os._exit) -> None:
-    """Have this process, started by `multiprocessing`, end when its parent does, however it does.
-
-    Not even a parent that is killed leaves it behind: the system closes what they share.
+    """End this process, started by `multiprocessing`, when its parent ends, even if that is killed.
 
     Parameters
     ----------
     end : callable
-        How it ends, with a status; `core.ending.end_now` where it may be writing files.
+        Ends the process with a status; `core.ending.end_now` if it may be writing files.
     """
-    from multiprocessing import parent_process  # not wanted by those who only ask for cores
+    from multiprocessing import parent_process  # imported late: most callers only ask for cores
 
     parent = parent_process()
-    if parent is not None:
-        threading.Thread(target=_wait_for_end, args=(parent.sentinel, end), daemon=True).start()
+    if parent is None:
+        return
 
+    def wait_for_end() -> None:
+        from multiprocessing.connection import wait
 
-def _wait_for_end(sentinel: int, end: Callable[[int], object]) -> None:
-    from multiprocessing.connection import wait
+        wait([parent.sentinel])  # the system closes it, however the parent ends
+        end(1)
 
-    wait([sentinel])
-    end(1)
+    threading.Thread(target=wait_for_end, daemon=True).start()
 
 
 def limit_process(memory: int, seconds: int) -> None:
-    """Limit this process, bytes of address space and s of computing, where the system can.
+    """Limit this process's address space, bytes, and CPU time, s, where the system can.
 
-    It leaves no picture of its memory behind. Elsewhere whoever started it ends it in time.
+    It writes no core dump. Elsewhere its parent must end it in time.
     """
     resource = _module("resource")
     if resource is None:
@@ -209,16 +204,22 @@ def limit_process(memory: int, seconds: int) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (memory, memory))
 
 
-def open_no_more() -> None:
-    """Let this process, and all its threads, open no further file, where the system can."""
+def forbid_opening() -> None:
+    """Forbid this process, with all threads, to open further files, where the system can."""
     resource = _module("resource")
     if resource is not None:
         _, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
         resource.setrlimit(resource.RLIMIT_NOFILE, (0, hard))
 
 
-def handed_to_child(descriptor: int) -> tuple[int, dict[str, Any]]:
-    """What a child is told of an open file, for `from_parent`, and what `Popen` is to be given."""
+def inherit_file(descriptor: int) -> tuple[int, dict[str, Any]]:
+    """Make an open file inheritable by a child process.
+
+    Returns
+    -------
+    (int, dict)
+        Its number for `open_inherited` in the child, and the arguments of `Popen`.
+    """
     msvcrt = _module("msvcrt")
     if msvcrt is None:
         return descriptor, {"pass_fds": (descriptor,)}
@@ -227,8 +228,8 @@ def handed_to_child(descriptor: int) -> tuple[int, dict[str, Any]]:
     return handle, {"close_fds": False}
 
 
-def from_parent(number: int) -> int:
-    """The descriptor of a file that the parent handed over."""
+def open_inherited(number: int) -> int:
+    """Return the descriptor of a file inherited from the parent (`inherit_file`)."""
     msvcrt = _module("msvcrt")
     return number if msvcrt is None else msvcrt.open_osfhandle(number, os.O_RDWR)
 
@@ -237,25 +238,25 @@ def from_parent(number: int) -> int:
 
 
 def make_memory_file() -> int:
-    """Return the descriptor of a file that has no name and is gone when the last one closes it."""
+    """Return the descriptor of a file without a name, which goes with its last descriptor."""
     if hasattr(os, "memfd_create"):
         return os.memfd_create("paint3d")
     with tempfile.TemporaryFile() as file:
         return os.dup(file.fileno())
 
 
-def lock(file: BinaryIO, patience_s: float = _LOOKS_S) -> None:
+def lock(file: BinaryIO, timeout_s: float = _LOCK_TIMEOUT_S) -> None:
     """Lock a file for as long as this process lives and keeps it open.
 
-    Whoever only looks whether it is locked (`is_locked`) has it for a moment, which is waited for.
+    `is_locked` of another process holds the lock for a moment, which is waited for.
 
     Raises
     ------
     OSError
-        If another process has it, and still has it after so long.
+        If another process still has the lock after the timeout.
     """
     fcntl, msvcrt = _module("fcntl"), _module("msvcrt")
-    until = time.monotonic() + patience_s
+    until = time.monotonic() + timeout_s
     while True:
         try:
             if fcntl is not None:
@@ -263,22 +264,23 @@ def lock(file: BinaryIO, patience_s: float = _LOOKS_S) -> None:
             elif msvcrt is not None:
                 msvcrt.locking(file.fileno(), msvcrt.LK_NBLCK, 1)
             return
-        except (BlockingIOError, PermissionError):  # as each tells it
+        except (BlockingIOError, PermissionError):  # from flock, and from msvcrt
             if time.monotonic() >= until:
                 raise
-        time.sleep(_LOOK_AGAIN_S)
+        time.sleep(_LOCK_RETRY_S)
 
 
-def hold_new(path: Path, mode: int = 0o666) -> int | None:
-    """Make a file that is locked for as long as a descriptor is open, which is returned.
+def create_locked(path: Path, mode: int = 0o666) -> int | None:
+    """Make a file that is locked as long as the returned descriptor is open.
 
-    Its permissions are `mode` less what the user's mask takes away. Where the system has no locks
-    the file is only made, and there is no descriptor.
+    Its permissions are `mode` without the user's mask. Where the system has no locks the file is
+    only made, and None is returned.
 
     Raises
     ------
     OSError
-        If it cannot be made; FileExistsError where it is there, or was taken away by `nobodys`.
+        If it cannot be made; FileExistsError if it exists, or another process has locked it by
+        `try_locking` or removed it meanwhile.
     """
     fcntl = _module("fcntl")
     flags = os.O_RDWR | os.O_CREAT | os.O_EXCL | getattr(os, "O_CLOEXEC", 0)
@@ -288,20 +290,20 @@ def hold_new(path: Path, mode: int = 0o666) -> int | None:
         return None
     try:
         fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        is_taken = not os.path.lexists(path)  # not by links: some file systems count none
-    except OSError as cause:  # others are told by file systems without locks
+        is_taken = not os.path.lexists(path)  # not by st_nlink: some file systems count no links
+    except OSError as cause:  # file systems without locks raise other errors
         is_taken = isinstance(cause, BlockingIOError)
     if is_taken:
         os.close(descriptor)
-        raise FileExistsError(f"{path}: taken away")
+        raise FileExistsError(f"{path}: locked or removed by another process")
     return descriptor
 
 
 @contextmanager
-def nobodys(path: Path) -> Iterator[bool]:
-    """Whether nobody holds a file that `hold_new` made; whoever just makes it finds it taken.
+def try_locking(path: Path) -> Iterator[bool]:
+    """Try to lock a file of `create_locked` within the block; yield whether nobody else has it.
 
-    False where that cannot be known.
+    Yields False where the system has no locks.
     """
     fcntl = _module("fcntl")
     if fcntl is None:
@@ -317,7 +319,7 @@ def nobodys(path: Path) -> Iterator[bool]:
 
 
 def is_locked(path: Path) -> bool:
-    """Whether a living process has locked a file; False where that cannot be known."""
+    """Return whether a living process has locked a file; False if the system has no locks."""
     fcntl, msvcrt = _module("fcntl"), _module("msvcrt")
     try:
         with open(path, "rb") as file:
@@ -336,36 +338,36 @@ def is_locked(path: Path) -> bool:
 
 
 def copy_permissions(source: Path, target: Path) -> None:
-    """Give a file the permissions, the group and the owner of another one, as far as allowed.
+    """Copy permissions, group and owner from one file to another, as far as allowed.
 
-    Where the group or the access list cannot be kept, the group may do no more than everybody:
-    nobody gains access to the file.
+    If the group or the access list cannot be copied, the group gets the rights of others: nobody
+    gains access to the file.
 
     Raises
     ------
     OSError
         If the permissions cannot be set.
     """
-    found = os.stat(source)
-    mode = found.st_mode & 0o777
-    kept = True
+    status = os.stat(source)
+    mode = status.st_mode & 0o777
+    is_complete = True
     if hasattr(os, "chown"):
         with suppress(OSError):
-            os.chown(target, -1, found.st_gid)
+            os.chown(target, -1, status.st_gid)
         with suppress(OSError):  # allowed to the superuser alone
-            os.chown(target, found.st_uid, -1)
-        kept = os.stat(target).st_gid == found.st_gid
+            os.chown(target, status.st_uid, -1)
+        is_complete = os.stat(target).st_gid == status.st_gid
     access_list = _access_list(source)
     if access_list is not None:
         try:
             os.setxattr(target, _ACCESS_LIST, access_list)
         except OSError:
-            kept = False
-    os.chmod(target, mode if kept else (mode & ~0o070) | (mode & (mode << 3) & 0o070))
+            is_complete = False
+    os.chmod(target, mode if is_complete else (mode & ~0o070) | (mode & (mode << 3) & 0o070))
 
 
 def _access_list(path: Path) -> bytes | None:
-    """The access list (POSIX ACL) of a file, as Linux stores it; None where it has none."""
+    """Read the access list (POSIX ACL) of a file, as Linux stores it; None if it has none."""
     if not hasattr(os, "getxattr"):
         return None
     try:
@@ -375,12 +377,12 @@ def _access_list(path: Path) -> bytes | None:
 
 
 def flush_file(descriptor: int) -> None:
-    """Bring what was written to the disk."""
+    """Flush a file's data to the disk."""
     (os.fdatasync if hasattr(os, "fdatasync") else os.fsync)(descriptor)
 
 
 def reserve_space(file: BinaryIO, n_bytes: int) -> None:
-    """Make sure that a file has room on the disk for so many bytes; nothing, where none can.
+    """Allocate disk space for a file of so many bytes; a no-op where the system cannot.
 
     Raises
     ------
@@ -392,7 +394,7 @@ def reserve_space(file: BinaryIO, n_bytes: int) -> None:
 
 
 def flush_folder(folder: Path) -> None:
-    """Bring a folder's names to the disk; systems that cannot do so are left in peace."""
+    """Flush a folder's entries to the disk; a no-op where the system cannot."""
     with suppress(OSError):
         handle = os.open(folder, os.O_RDONLY)
         try:

@@ -57,8 +57,8 @@ def compile_with_numba(function: Callable[..., Any], options: dict[str, Any]) ->
     _prepare()
     from numba import njit
 
-    told = {name: value for name, value in options.items() if name != APART}
-    return njit(**{"cache": True, "nogil": True, **told})(function)
+    known = {name: value for name, value in options.items() if name != APART}
+    return njit(**{"cache": True, "nogil": True, **known})(function)
 
 
 @cache

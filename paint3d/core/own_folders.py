@@ -1,8 +1,8 @@
-"""The user's folders: the home and its parts, or a private folder where it cannot be written.
+"""The user's folders: in the home, or a private folder if that cannot be written.
 
 Service accounts, containers run under another user's number and read-only homes leave a program
 nowhere to store files. Some of its files are code (compiled kernels), so the folder that replaces
-the home must be one that nobody else can have put anything into.
+the home must be one that no other user can have written to.
 """
 
 from __future__ import annotations
@@ -13,22 +13,22 @@ from contextlib import suppress
 from functools import cache
 from pathlib import Path
 
-from paint3d.core.machine import is_private, user_number
+from paint3d.core.machine import is_private, user_id
 from paint3d.errors import ExportError
 
 __all__ = [
     "can_write",
     "config_folder",
+    "fallback_folder",
     "find_home",
     "make_private",
     "make_private_folder",
     "private_folder",
     "recovery_folder",
-    "stand_in",
     "usual_config_folder",
 ]
 
-# Of a folder: what names it, what names its parent (XDG base directories), its parent in the home.
+# Of each folder: its own variable, its parent's (XDG base directories), its parent in the home.
 _CONFIG = ("PAINT3D_CONFIG", "XDG_CONFIG_HOME", ".config")
 _STATE = ("PAINT3D_STATE", "XDG_STATE_HOME", ".local/state")
 
@@ -58,8 +58,8 @@ def can_write(folder: Path) -> bool:
 def private_folder() -> Path:
     """Return a folder among the temporary files that only this user can enter.
 
-    It is the same at every start, unless somebody else has made one of its name, or may enter it:
-    then it is a fresh one.
+    It is the same at every start, unless another user has made one of this name, or may enter it:
+    then it is a new one.
 
     Raises
     ------
@@ -67,7 +67,7 @@ def private_folder() -> Path:
         If no temporary folder can be written.
     """
     try:
-        own = Path(tempfile.gettempdir()) / f"paint3d-{user_number()}"
+        own = Path(tempfile.gettempdir()) / f"paint3d-{user_id()}"
         with suppress(FileExistsError):
             own.mkdir(mode=0o700)
         return own if is_private(own) else Path(tempfile.mkdtemp(prefix="paint3d-"))
@@ -80,29 +80,27 @@ def private_folder() -> Path:
 
 
 def config_folder() -> Path:
-    """Return that for settings: ``PAINT3D_CONFIG``, or paint3d's in the user's config folder."""
+    """Return the folder of settings: ``PAINT3D_CONFIG``, or paint3d's in the config folder."""
     return _folder(*_CONFIG) or private_folder() / "config"
 
 
 def usual_config_folder() -> Path | None:
-    """Return where settings lie that can be read but not written; None where there is no home."""
+    """Return the folder of settings, even if it cannot be written; None if there is no home."""
     return _usual(*_CONFIG)
 
 
 def recovery_folder() -> Path:
-    """Return that for what a crash would lose: ``PAINT3D_STATE``, or paint3d's among the states."""
+    """Return the folder of recovery data: ``PAINT3D_STATE``, or paint3d's in the state folder."""
     return (_folder(*_STATE) or private_folder() / "state") / "sittings"
 
 
-def stand_in() -> Path | None:
-    """Return the folder in place of a home that cannot be written; None if it can."""
+def fallback_folder() -> Path | None:
+    """Return the folder that replaces a home that cannot be written; None if it can."""
     return None if _folder(*_CONFIG) and _folder(*_STATE) else private_folder()
 
 
 def make_private_folder(folder: Path) -> None:
-    """Make a folder that only the user can enter, and so those above it that are missing.
-
-    One that is there stays as it is.
+    """Make a folder, and missing parents, that only the user can enter; existing ones are kept.
 
     Raises
     ------
@@ -116,16 +114,16 @@ def make_private_folder(folder: Path) -> None:
 
 
 def make_private(path: Path) -> None:
-    """Let only the user read and write a file, or enter a folder, whatever the umask is.
+    """Restrict a file or folder to the user, whatever the umask is.
 
-    Nothing happens where a file system has no such rights, or it is somebody else's.
+    Nothing happens if the file system has no such rights, or another user owns it.
     """
     with suppress(OSError):
         path.chmod(0o700 if path.is_dir() else 0o600)
 
 
 def _folder(own: str, base: str, fallback: str) -> Path | None:
-    """Return a folder if it can be written; one that the user names is taken as it is."""
+    """Return a folder if it can be written, or if the user names it by its own variable."""
     folder = _usual(own, base, fallback)
     return folder if os.environ.get(own) or (folder and can_write(folder)) else None
 
@@ -133,8 +131,8 @@ def _folder(own: str, base: str, fallback: str) -> Path | None:
 def _usual(own: str, base: str, fallback: str) -> Path | None:
     if os.environ.get(own):
         return Path(os.environ[own])
-    found = os.environ.get(base, "")
-    if os.path.isabs(found):
-        return Path(found) / "paint3d"
+    parent = os.environ.get(base, "")
+    if os.path.isabs(parent):
+        return Path(parent) / "paint3d"
     home = find_home()
     return None if home is None else home / fallback / "paint3d"

@@ -1,4 +1,4 @@
-"""Files of named parameters in TOML or JSON: users' own brushes and materials."""
+"""Files of named parameters in TOML or JSON, as for users' own brushes and materials."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from typing import Any, TypeVar
 
 from paint3d.errors import Paint3DError, UnknownNameError
 
-__all__ = ["check_known", "is_parameter_file", "named_or_read", "read_parameters", "read_thing"]
+__all__ = ["check_known", "find_or_read", "is_parameter_file", "read_object"]
 
 _SUFFIXES = (".toml", ".json")
 _MOST_BYTES = 1 << 20
 
-_Thing = TypeVar("_Thing")
+_Object = TypeVar("_Object")
 
 
 def is_parameter_file(name: str) -> bool:
@@ -29,7 +29,7 @@ def is_parameter_file(name: str) -> bool:
     return name.lower().endswith(_SUFFIXES)
 
 
-def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[str, Any]:
+def _read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[str, Any]:
     """Read the parameters of a file, by name, unchecked.
 
     Parameters
@@ -83,18 +83,18 @@ def read_parameters(path: Path, what: str, error: type[Paint3DError]) -> dict[st
     return values
 
 
-def read_thing(
+def read_object(
     path: str | Path,
     what: str,
     error: type[Paint3DError],
-    make: Callable[[dict[str, Any], str], _Thing],
-) -> _Thing:
+    make: Callable[[dict[str, Any], str], _Object],
+) -> _Object:
     """Read the object that a parameter file describes.
 
     Parameters
     ----------
     path, what, error
-        As for `read_parameters`.
+        As for `_read_parameters`.
     make : callable
         Makes it from the parameters, and from its name where they give none.
 
@@ -104,20 +104,20 @@ def read_thing(
         Naming the file; also what `make` raises.
     """
     path = Path(path)
-    values = read_parameters(path, what, error)
+    values = _read_parameters(path, what, error)
     try:
         return make(values, path.stem)
     except error as cause:
         raise error("{file}: {cause}", file=path, cause=cause) from None
 
 
-def named_or_read(
+def find_or_read(
     name: str,
-    shipped: Mapping[str, _Thing],
+    shipped: Mapping[str, _Object],
     what: str,
     error: type[Paint3DError],
-    read: Callable[[str], _Thing] | None,
-) -> _Thing:
+    read: Callable[[str], _Object] | None,
+) -> _Object:
     """Return the shipped object of that name, or read it from a file of that name.
 
     Parameters

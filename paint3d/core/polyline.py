@@ -1,4 +1,4 @@
-"""Polylines of points (N, K) and rings (N, 2): arc length, even samples, area, Bezier curves."""
+"""Polylines of points (N, K) and rings (N, 2): arc length, resampling, area, Bezier curves."""
 
 from __future__ import annotations
 
@@ -26,64 +26,64 @@ __all__ = [
 
 
 def arc_lengths(line: AnyArray) -> NDArray[np.float64]:
-    """Distance (N,) of each point of a line from its first one, along the line."""
+    """Compute the distance (N,) of each point from the first one, along the line."""
     steps = np.linalg.norm(np.diff(line, axis=0), axis=1)
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
 def line_length(line: AnyArray) -> float:
-    """Length of a line."""
+    """Compute the length of a line."""
     return float(np.linalg.norm(np.diff(line, axis=0), axis=1).sum())
 
 
-def interpolate(at: ArrayLike, way: AnyArray, rows: AnyArray) -> NDArray[np.float64]:
-    """Rows (..., K) at distances (...), linearly between rows (N, K) at rising distances (N,)."""
-    places = np.asarray(at, np.float64)
-    return np.stack([np.interp(places, way, column) for column in rows.T], axis=-1)
+def interpolate(at: ArrayLike, knots: AnyArray, rows: AnyArray) -> NDArray[np.float64]:
+    """Interpolate rows (N, K) at rising knots (N,) linearly, at positions (...): (..., K)."""
+    positions = np.asarray(at, np.float64)
+    return np.stack([np.interp(positions, knots, column) for column in rows.T], axis=-1)
 
 
 def points_at(line: AnyArray, distances: ArrayLike) -> NDArray[np.float64]:
-    """Points (..., K) of a line at distances (...) from its first one."""
+    """Compute the points (..., K) of a line at distances (...) from its first one."""
     return interpolate(distances, arc_lengths(line), line)
 
 
 def resample(line: AnyArray, step: float, least: int = 2) -> NDArray[np.float64]:
-    """A line at even distances of about `step`, at `least` so many points."""
-    way = arc_lengths(line)
-    n = max(least, math.ceil(way[-1] / step) + 1) if way[-1] > 0.0 else least
-    return interpolate(np.linspace(0.0, way[-1], n), way, line)
+    """Resample a line at even distances of about `step`, to at least `least` points."""
+    lengths = arc_lengths(line)
+    n = max(least, math.ceil(lengths[-1] / step) + 1) if lengths[-1] > 0.0 else least
+    return interpolate(np.linspace(0.0, lengths[-1], n), lengths, line)
 
 
 def resample_to(line: AnyArray, n: int) -> NDArray[np.float64]:
-    """A line as n points at even distances."""
-    way = arc_lengths(line)
-    return interpolate(np.linspace(0.0, way[-1], n), way, line)
+    """Resample a line to n points at even distances."""
+    lengths = arc_lengths(line)
+    return interpolate(np.linspace(0.0, lengths[-1], n), lengths, line)
 
 
-def headings_of(ways: AnyArray) -> NDArray[np.float64]:
-    """Directions (N,) of vectors (N, 2), rad, without jumps of a turn."""
-    return np.unwrap(np.arctan2(ways[:, 1], ways[:, 0]))
+def headings_of(vectors: AnyArray) -> NDArray[np.float64]:
+    """Compute the directions (N,) of vectors (N, 2), rad, without jumps of a turn."""
+    return np.unwrap(np.arctan2(vectors[:, 1], vectors[:, 0]))
 
 
 def unit_vectors(angles: AnyArray) -> NDArray[np.float64]:
-    """Unit vectors (N, 2) in directions (N,), rad."""
+    """Compute the unit vectors (N, 2) in directions (N,), rad."""
     return np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def cross_2d(u: AnyArray, v: AnyArray) -> AnyArray:
-    """Cross products (...) of vectors (..., 2): positive where v is to the left of u."""
+    """Compute the cross products (...) of vectors (..., 2): positive where v is left of u."""
     product: AnyArray = u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
     return product
 
 
 def signed_area(ring: AnyArray) -> float:
-    """Area of a closed ring, whose last point is not the first again; negative if clockwise."""
+    """Compute the area of a closed ring without a repeated point; negative if clockwise."""
     x, y = ring.T
     return 0.5 * float(np.sum(np.roll(x, 1) * y - x * np.roll(y, 1)))
 
 
 def bezier_points(controls: AnyArray, flatness: float) -> NDArray[np.float64]:
-    """Points (N, 2) of a Bezier curve after its start, no farther from it than `flatness`.
+    """Flatten a Bezier curve to points (N, 2) after its start, with chords within `flatness`.
 
     Parameters
     ----------

@@ -96,7 +96,7 @@ class Field:
 
     @property
     def signed(self) -> bool:
-        """Whether the bits are a two's complement number."""
+        """True if the bits are a two's complement number."""
         return self.low < 0
 
 
@@ -111,7 +111,7 @@ class ReportDescriptor:
     applications : tuple of int
         Page and usage of every application collection, ``page << 16 | usage``.
     numbered : bool
-        Whether reports begin with their id.
+        True if reports begin with their id.
     bits : dict
         Length in bits of every (kind, report id), without the id byte.
     """
@@ -134,6 +134,8 @@ class ReportDescriptor:
 
 @dataclass
 class _Globals:
+    """Values of the global items, which hold until they are set again."""
+
     page: int = 0
     low: int = 0
     high: int = 0
@@ -149,9 +151,11 @@ class _Globals:
 
 @dataclass
 class _State:
+    """State of the parser: global items, local items, and what has been declared so far."""
+
     settings: _Globals = field(default_factory=_Globals)
     stack: list[_Globals] = field(default_factory=list)
-    collections: list[int] = field(default_factory=list)  # application each one lies in
+    collections: list[int] = field(default_factory=list)  # the application of each open one
     usages: list[tuple[int, int]] = field(default_factory=list)  # (first, last), with page
     lowest: int | None = None
     fields: list[Field] = field(default_factory=list)
@@ -206,6 +210,7 @@ def _items(data: bytes) -> Iterator[tuple[int, int, bytes]]:
 
 
 def _apply(state: _State, tag: int, payload: bytes) -> None:
+    """Apply one item to the parser's state."""
     value = int.from_bytes(payload, "little", signed=tag in _SIGNED)
     kind = {_INPUT: Kind.INPUT, _OUTPUT: Kind.OUTPUT, _FEATURE: Kind.FEATURE}.get(tag)
     if kind is not None:
@@ -292,13 +297,38 @@ def _add_fields(state: _State, kind: Kind, flags: int) -> None:
         )
     if s.size and s.count:
         state.bits[key] = start + s.size * s.count
-    constant, variable = bool(flags & 1), bool(flags & 2)
+    constant, variable, relative = bool(flags & 1), bool(flags & 2), bool(flags & 4)
     if (constant and not state.usages) or not s.size:
         return
     if len(state.fields) + s.count > _MAX_FIELDS:
         raise DeviceError("more than {most} fields", most=_MAX_FIELDS)
+    high = s.high
+    if s.low >= 0 and high < s.low and s.high_bits:
+        high &= (1 << s.high_bits) - 1  # 25 ff is 255, not -1, if the minimum is not negative
+    stated = (s.physical_low, s.physical_high)
+    physical_low, physical_high = stated if stated != (0, 0) else (s.low, high)
     for i, (first, last) in zip(range(s.count), _usages_of(state, variable), strict=False):
-        state.fields.append(_make_field(state, kind, flags, start + i * s.size, first, last))
+        state.fields.append(
+            Field(
+                kind=kind,
+                report_id=s.report_id,
+                bit=start + i * s.size,
+                size=s.size,
+                page=first >> 16,
+                usage=first & 0xFFFF,
+                application=state.collections[-1] if state.collections else 0,
+                low=s.low,
+                high=high,
+                physical_low=physical_low,
+                physical_high=physical_high,
+                unit=s.unit,
+                exponent=s.exponent,
+                variable=variable,
+                relative=relative,
+                constant=constant,
+                last_usage=last & 0xFFFF,
+            )
+        )
 
 
 def _usages_of(state: _State, variable: bool) -> Iterator[tuple[int, int]]:
@@ -316,35 +346,6 @@ def _usages_of(state: _State, variable: bool) -> Iterator[tuple[int, int]]:
             yield usage, usage
     while True:
         yield usages[-1][1], usages[-1][1]
-
-
-def _make_field(
-    state: _State, kind: Kind, flags: int, bit: int, usage: int, last_usage: int
-) -> Field:
-    s = state.settings
-    high = s.high
-    if s.low >= 0 and high < s.low and s.high_bits:
-        high &= (1 << s.high_bits) - 1  # 25 ff is 255, not -1, if the minimum is not negative
-    stated = (s.physical_low, s.physical_high)
-    physical = stated if stated != (0, 0) else (s.low, high)
-    return Field(
-        kind,
-        s.report_id,
-        bit,
-        s.size,
-        usage >> 16,
-        usage & 0xFFFF,
-        state.collections[-1] if state.collections else 0,
-        s.low,
-        high,
-        *physical,
-        s.unit,
-        s.exponent,
-        bool(flags & 2),
-        bool(flags & 4),
-        bool(flags & 1),
-        last_usage & 0xFFFF,
-    )
 
 
 def split_report(descriptor: ReportDescriptor, data: bytes) -> tuple[int, bytes]:

@@ -23,7 +23,7 @@ from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode
 from paint3d.errors import DeviceError, Message
 
-__all__ = ["DeviceLog", "LogEntry", "PlaybackLink", "read_device_log"]
+__all__ = ["DeviceLog", "PlaybackLink", "read_device_log"]
 
 _FORMAT, _VERSION = "paint3d-device-log", 1
 _MAX_LINE = 1 << 16
@@ -62,7 +62,7 @@ class DeviceLog:
         self._raw = raw
         self._write({"format": _FORMAT, "version": _VERSION})
 
-    def keep(self, node: HidNode, descriptor: bytes, time_ns: int, report: bytes) -> None:
+    def append(self, node: HidNode, descriptor: bytes, time_ns: int, report: bytes) -> None:
         """Write one report, preceded by the device's description if it is its first."""
         with self._lock:
             if node.path not in self._devices:
@@ -95,8 +95,8 @@ class DeviceLog:
                 copy_permissions(self._path, self._part)
             self._part.replace(self._path)
 
-    def _write(self, what: object) -> None:
-        self._file.write(json.dumps(what, separators=(",", ":")).encode() + b"\n")
+    def _write(self, entry: object) -> None:
+        self._file.write(json.dumps(entry, separators=(",", ":")).encode() + b"\n")
 
 
 class PlaybackLink:
@@ -182,7 +182,7 @@ def read_device_log(path: str | os.PathLike[str]) -> list[PlaybackLink]:
             file: IO[bytes] = io.BufferedReader(gzip.GzipFile(fileobj=raw)) if zipped else raw
             for number, line in _lines(file):
                 try:
-                    _take_line(json.loads(line), number, links)
+                    _parse_entry(json.loads(line), number, links)
                 except (ValueError, KeyError, TypeError, IndexError) as cause:
                     raise DeviceError(
                         "{name}:{number}: {cause}",
@@ -209,7 +209,7 @@ def _lines(file: IO[bytes]) -> Iterator[tuple[int, bytes]]:
         yield number, line
 
 
-def _take_line(entry: Any, number: int, links: list[PlaybackLink]) -> None:
+def _parse_entry(entry: Any, number: int, links: list[PlaybackLink]) -> None:
     """Check the header, add a device to `links`, or add a report to its device."""
     if number == 1:
         if not isinstance(entry, dict) or entry.get("format") != _FORMAT:
@@ -224,7 +224,7 @@ def _take_line(entry: Any, number: int, links: list[PlaybackLink]) -> None:
     else:
         time_ns, device, report = entry
         if not 0 <= device < len(links):
-            raise ValueError(f"device {device!r} was not named before")
+            raise ValueError(f"device {device!r} was not described before")
         entries = links[device].entries
         if not isinstance(time_ns, int) or (entries and time_ns < entries[-1][0]):
             raise ValueError(f"time {time_ns!r}; expected an integer, not before the last one")

@@ -15,7 +15,7 @@ from paint3d.errors import DeviceError, Message
 __all__ = ["DeviceLoop", "DeviceStatus"]
 
 _WAIT_MS = 50
-_MOST_WAITING = 100_000  # events to be taken; the oldest are dropped
+_CAPACITY = 100_000  # events to be taken; the oldest are dropped
 
 
 @dataclass
@@ -30,7 +30,7 @@ class DeviceStatus:
         Reports that could not be decoded; `last_refusal` says why, for the last of them.
     n_dropped : int
         Events that were not taken in time.
-    heard_ns : int
+    last_report_ns : int
         When the last report was read; 0 before the first.
     longest_gap_ns : int
         Longest time between two reports.
@@ -41,7 +41,7 @@ class DeviceStatus:
     n_reports: int = 0
     n_refused: int = 0
     n_dropped: int = 0
-    heard_ns: int = 0
+    last_report_ns: int = 0
     longest_gap_ns: int = 0
     last_refusal: str = ""
     gone: Message | None = None
@@ -112,9 +112,10 @@ class DeviceLoop:
 
     def _handle(self, time_ns: int, report: bytes) -> None:
         status = self.status
-        if status.heard_ns:
-            status.longest_gap_ns = max(status.longest_gap_ns, time_ns - status.heard_ns)
-        status.heard_ns = time_ns
+        if status.last_report_ns:
+            gap_ns = time_ns - status.last_report_ns
+            status.longest_gap_ns = max(status.longest_gap_ns, gap_ns)
+        status.last_report_ns = time_ns
         if self._log is not None:
             self._log(time_ns, report)
         try:
@@ -126,7 +127,7 @@ class DeviceLoop:
 
     def _deliver(self, events: Iterable[object]) -> None:
         for event in events:
-            if len(self._events) >= _MOST_WAITING:
+            if len(self._events) >= _CAPACITY:
                 self._events.popleft()
                 self.status.n_dropped += 1
             self._events.append(event)

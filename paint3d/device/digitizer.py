@@ -127,10 +127,10 @@ def find_digitizer_layout(descriptor: ReportDescriptor) -> DigitizerLayout:
     ):
         wanted[name] = [(page, usage) for page in _PAGES]
     parts = {}
-    for name, places in wanted.items():
-        found = [f for f in fields if (f.page, f.usage) in places and 0 < f.size <= 32]
-        if found:
-            parts[name] = found[0]
+    for name, usages in wanted.items():
+        matches = (f for f in fields if (f.page, f.usage) in usages and 0 < f.size <= 32)
+        if (field := next(matches, None)) is not None:
+            parts[name] = field
     if not {"x", "y"} <= parts.keys() or parts["x"].report_id != parts["y"].report_id:
         raise DeviceError("not a digitizer: its descriptor has no pen with a position")
     return DigitizerLayout(descriptor, parts)
@@ -153,7 +153,7 @@ def _millimetres(field: Field, value: int) -> float:
 
 
 def orientation_from_tilt(tilt_x: float, tilt_y: float, twist: float = 0.0) -> NDArray[np.float64]:
-    """Quaternion pad_from_pen (4,) of a pen with these tilts.
+    """Compute the quaternion pad_from_pen (4,) of a pen with these tilts.
 
     The handle leans towards +x by `tilt_x` and towards +y by `tilt_y` (rad, seen along the other
     axis), so its direction is (tan tilt_x, tan tilt_y, 1), as in W3C Pointer Events. The tip

@@ -12,17 +12,7 @@ from typing import Any, Protocol
 from paint3d.device.hid_nodes import HidNode, backend_module
 from paint3d.errors import DeviceError, Message, PermissionNeededError
 
-__all__ = [
-    "MAX_REPORT",
-    "RULES_FILE",
-    "DeviceGoneError",
-    "HidLink",
-    "Link",
-    "explain_failure",
-    "find_obstacle",
-    "open_node",
-    "udev_rule",
-]
+__all__ = ["DeviceGoneError", "Link", "explain_failure", "find_obstacle", "open_node"]
 
 # ---- Permissions ---------------------------------------------------------------------------------
 
@@ -61,8 +51,8 @@ def find_obstacle(node: HidNode) -> Message | None:
 
 
 def explain_failure(node: HidNode, cause: object = "") -> DeviceError:
-    """Make an exception that says why this node could not be opened, and the remedy."""
-    what = Message("{device} at {place}", device=node.name, place=node.path)
+    """Make the exception for a node that could not be opened: why, and the remedy."""
+    what = Message("{device} at {path}", device=node.name, path=node.path)
     obstacle = find_obstacle(node)
     if obstacle is _FORBIDDEN or (obstacle is None and _LIBUSB_PATH.match(node.path)):
         return PermissionNeededError(
@@ -208,8 +198,8 @@ def open_node(node: HidNode) -> HidLink:
     except (OSError, ValueError) as cause:
         device.close()
         raise DeviceError(
-            "{node} at {file} does not tell its report descriptor ({cause})",
-            node=node.name,
-            file=node.path,
+            "{device} at {path} gives no report descriptor ({cause})",
+            device=node.name,
+            path=node.path,
             cause=cause,
         ) from None

@@ -100,21 +100,18 @@ def list_nodes(kinds: tuple[str, ...] = ("mouse", "stylus", "pen")) -> list[HidN
         except DeviceError as failure:
             failures.append(failure)
             continue
-        shown = {(node.vendor, node.product) for node in nodes}
-        fresh = [e for e in entries if (e["vendor_id"], e["product_id"]) not in shown]
-        nodes += _merged([_make_node(backend, entry) for entry in fresh])
+        listed = {(node.vendor, node.product) for node in nodes}
+        by_path: dict[str, HidNode] = {}  # hidapi lists a node for every top-level collection
+        for entry in entries:
+            if (entry["vendor_id"], entry["product_id"]) in listed:
+                continue
+            node = _make_node(backend, entry)
+            if node.path not in by_path or by_path[node.path].kind == "other":
+                by_path[node.path] = node
+        nodes += [by_path[path] for path in sorted(by_path)]
     if len(failures) == len(backends()):
         raise failures[0]
     return [node for node in nodes if node.kind in kinds]
-
-
-def _merged(nodes: list[HidNode]) -> list[HidNode]:
-    """Keep one entry per path: hidapi lists a node once for every top-level collection."""
-    best: dict[str, HidNode] = {}
-    for node in nodes:
-        if node.path not in best or best[node.path].kind == "other":
-            best[node.path] = node
-    return [best[path] for path in sorted(best)]
 
 
 def _make_node(backend: str, entry: dict[str, Any]) -> HidNode:

@@ -25,8 +25,8 @@ _RESTING_NS = 1_000_000_000
 class Changes:
     """Nodes connected and disconnected between two enumerations."""
 
-    came: tuple[HidNode, ...]
-    went: tuple[HidNode, ...]
+    added: tuple[HidNode, ...]
+    removed: tuple[HidNode, ...]
 
 
 def compare_nodes(before: list[HidNode], now: list[HidNode]) -> Changes:
@@ -48,7 +48,7 @@ class PluggedDevices:
     open_link : callable
         Opens a node: `open_node`, or a stand-in.
     interval_s : float
-        Between two enumerations; 0 enumerates only when `look` is called.
+        Between two enumerations; 0 enumerates only when `rescan` is called.
     log : callable, optional
         Called with the node, its descriptor, the time and every raw report.
     deflection : DeflectionSettings, optional
@@ -71,20 +71,20 @@ class PluggedDevices:
         self._devices: dict[str, tuple[HidNode, SpaceMouse | Stylus]] = {}
         self._active_mouse: str | None = None  # path of the one whose events are taken
         self._moved_ns = 0  # when it last moved
-        # What devices that are gone sent before:
+        # Sent by devices that have gone since:
         self._last_events: list[tuple[str, list[MouseEvent]]] = []
         self._last_readings: list[StylusReading] = []
         self.failures: dict[str, DeviceError] = {}
         self._stop = threading.Event()
         self._thread = None
-        self.look()
+        self.rescan()
         if interval_s > 0.0:
             self._thread = threading.Thread(
                 target=self._watch, args=(interval_s,), name="hot-plug", daemon=True
             )
             self._thread.start()
 
-    def look(self) -> Changes:
+    def rescan(self) -> Changes:
         """Enumerate once: open new devices and close those that are gone."""
         nodes = self._find()
         with self._lock:
@@ -92,9 +92,9 @@ class PluggedDevices:
                 if device.loop.status.gone is not None:
                     self._retire(path)
             changes = compare_nodes([node for node, _ in self._devices.values()], nodes)
-            for node in changes.went:
+            for node in changes.removed:
                 self._retire(node.path)
-            for node in changes.came:
+            for node in changes.added:
                 self._try_open(node)
             current = {node.path for node in nodes} | {"enumeration"}
             self.failures = {p: why for p, why in self.failures.items() if p in current}
@@ -113,7 +113,7 @@ class PluggedDevices:
         """List the open styli and pens."""
         return [device for device in self._all() if isinstance(device, Stylus)]
 
-    def read_caps(self, deflection: DeflectionSettings) -> None:
+    def set_deflection(self, deflection: DeflectionSettings) -> None:
         """Change the settings of all caps, now and later; each keeps its own rest position."""
         with self._lock:
             self._deflection = deflection
@@ -172,7 +172,7 @@ class PluggedDevices:
     def _watch(self, interval_s: float) -> None:
         while not self._stop.wait(interval_s):
             try:
-                self.look()
+                self.rescan()
             except DeviceError as cause:
                 self.failures["enumeration"] = cause
 

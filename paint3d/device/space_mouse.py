@@ -68,7 +68,7 @@ class DeflectionSettings:
 def deflection(
     axes: ArrayLike, quirks: MouseQuirks, settings: DeflectionSettings
 ) -> NDArray[np.float64]:
-    """Deflection (6,), each -1 to 1, in a right-handed frame: x right, y away, z up.
+    """Compute the deflection (6,), each -1 to 1, in a right-handed frame: x right, y away, z up.
 
     Translation first, then rotation about the same axes. Counts are clamped at the nominal full
     deflection, which some caps exceed.
@@ -106,8 +106,8 @@ def calibrate_rest(
     spread = np.abs(counts - middle).max() / quirks.full_deflection
     if spread > max(settings.dead_zone, 0.02):
         raise DeviceError(
-            "the cap moved by {spread:.0%} of its way during the rest calibration; expected nobody "
-            "to touch it",
+            "the cap moved by {spread:.0%} of its range during the rest calibration; expected "
+            "nobody to touch it",
             spread=spread,
         )
     if np.abs(middle).max() > _REST_LIMIT * quirks.full_deflection:
@@ -189,7 +189,7 @@ class SpaceMouse:
         )
 
     def stop(self) -> None:
-        """Light off, stop reading, close."""
+        """Turn the light off, stop reading and close."""
         self.set_light(False)
         self.loop.stop()
 

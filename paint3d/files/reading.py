@@ -179,7 +179,7 @@ def read_surface_apart(
         str(facts["name"]),
         arrays.get("normals"),
     )
-    notes = (*map(Message.from_words, facts["notes"]), *notes_of(facts))
+    notes = (*map(Message.from_json, facts["notes"]), *notes_of(facts))
     knows_up, unit_mm, up = facts["knows_up"], facts["unit_mm"], facts["up"]
     return Reading(mesh, notes, bool(knows_up), float(unit_mm), str(up))
 
@@ -193,7 +193,7 @@ def child_surface(path: Path, wanted: list[Any]) -> Found:
     arrays |= {} if mesh.colours is None else {"colours": mesh.colours}
     facts: dict[str, object] = {
         "name": mesh.name,
-        "notes": [note.to_words() for note in reading.notes],
+        "notes": [note.to_json() for note in reading.notes],
     }
     facts |= {"knows_up": reading.knows_up, "unit_mm": reading.unit_mm, "up": reading.up}
     return arrays, facts

@@ -29,7 +29,7 @@ import numpy as np
 
 from paint3d.core.arrays import AnyArray
 from paint3d.core.confinement import LANDLOCK, SECCOMP, confine_process
-from paint3d.core.machine import from_parent, handed_to_child, limit_process, make_memory_file
+from paint3d.core.machine import inherit_file, limit_process, make_memory_file, open_inherited
 from paint3d.errors import InputError, MeshError, Message
 from paint3d.files.progress import Progress
 
@@ -112,7 +112,7 @@ def read_apart(
     finally:
         os.close(descriptor)
     if "error" in facts:
-        raise MeshError(Message.from_words(facts["error"]), hint=facts["hint"])
+        raise MeshError(Message.from_json(facts["error"]), hint=facts["hint"])
     return arrays, facts
 
 
@@ -138,7 +138,7 @@ def _run_child(
     limits: tuple[float, float],
     progress: Progress | None,
 ) -> None:
-    number, handed = handed_to_child(descriptor)
+    number, handed = inherit_file(descriptor)
     request = {
         "path": os.fsencode(path).hex(),
         "reader": reader,
@@ -287,11 +287,11 @@ def main() -> None:
     is_confined = not {LANDLOCK, SECCOMP}.isdisjoint(confine_process())
 
     path = Path(os.fsdecode(bytes.fromhex(request["path"])))
-    descriptor = from_parent(int(request["file"]))
+    descriptor = open_inherited(int(request["file"]))
     try:
         arrays, facts = read(path, request["wanted"])
     except InputError as cause:
-        send(descriptor, {}, {"error": cause.message.to_words(), "hint": cause.hint})
+        send(descriptor, {}, {"error": cause.message.to_json(), "hint": cause.hint})
         return
     send(descriptor, arrays, {**facts, "is_confined": is_confined})
 

@@ -5,12 +5,11 @@ from __future__ import annotations
 import ctypes
 import gc
 import os
-import signal
 import struct
 import sys
 from contextlib import suppress
 
-__all__ = ["SCHEDULES", "ask_for_speed", "end_with_parent", "keep_in_memory"]
+__all__ = ["SCHEDULES", "ask_for_speed", "keep_in_memory"]
 
 SCHEDULES = ("fifo", "slice", "plain")
 """Kinds of scheduling, the best first."""
@@ -18,7 +17,6 @@ _PRIORITY = 40
 _SLICE_NS = 100_000
 _SYS_SCHED_SETATTR = {"x86_64": 314, "aarch64": 274}
 _MCL_CURRENT, _MCL_FUTURE = 1, 2
-_PR_SET_PDEATHSIG = 1
 
 
 def ask_for_speed() -> str:
@@ -61,9 +59,3 @@ def keep_in_memory() -> bool:
         return False
     result: bool = ctypes.CDLL(None).mlockall(_MCL_CURRENT | _MCL_FUTURE) == 0
     return result
-
-
-def end_with_parent() -> None:
-    """Ask the kernel for SIGTERM when the parent dies, however it dies (Linux)."""
-    if sys.platform.startswith("linux"):
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGTERM)

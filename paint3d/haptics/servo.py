@@ -16,7 +16,7 @@ from paint3d.device.force.haptic_stylus import encode_force
 from paint3d.device.hid_link import open_node
 from paint3d.device.sample import StylusReading
 from paint3d.errors import DeviceError, Message
-from paint3d.haptics import shared_state as board_of
+from paint3d.haptics import shared_state
 from paint3d.haptics.realtime import SCHEDULES
 from paint3d.haptics.servo_process import ServoTask, run_servo
 from paint3d.haptics.settings import HapticSettings
@@ -92,7 +92,7 @@ class ForceFeedback:
     Raises
     ------
     DeviceError
-        If the process does not start, or there is no room for the shared memory.
+        If the process does not start, or the shared memory cannot be allocated.
     """
 
     def __init__(
@@ -105,9 +105,9 @@ class ForceFeedback:
         self.settings = settings
         self._port = port
         self._board = ServoBoard()
-        self._board.counters[board_of.SOFTENING_PPM] = 1_000_000
+        self._board.counters[shared_state.SOFTENING_PPM] = 1_000_000
         try:
-            block, self._tree_memory = TreeBlock.share(tree)
+            block, self._tree_memory = TreeBlock.allocate(tree)
         except BaseException:
             self._board.close()
             raise
@@ -123,7 +123,14 @@ class ForceFeedback:
         self._process = context.Process(target=run_servo, args=(task,), name="servo", daemon=True)
         self._process.start()
         try:
-            self._wait_until_up()
+            end = time.monotonic() + _START_S
+            while self._board.counters[shared_state.STATE] == shared_state.STARTING:
+                if not self._process.is_alive() or time.monotonic() > end:
+                    why = self._board.fault() or Message(
+                        "exit status {status}", status=self._process.exitcode
+                    )
+                    raise DeviceError("the servo did not start: {why}", why=why)
+                time.sleep(0.01)
         except BaseException:
             self.stop()
             raise
@@ -173,22 +180,22 @@ class ForceFeedback:
     def status(self) -> ServoStatus:
         """Return the servo's state and timing."""
         board, counters = self._board, self._board.counters
-        state = _STATES[int(counters[board_of.STATE])]
+        state = _STATES[int(counters[shared_state.STATE])]
         if state in ("starting", "running") and not self._process.is_alive():
             state = "failed"
         return ServoStatus(
             state,
-            SCHEDULES[int(counters[board_of.SCHEDULE])],
-            int(counters[board_of.STEPS]),
-            int(counters[board_of.LATE]),
+            SCHEDULES[int(counters[shared_state.SCHEDULE])],
+            int(counters[shared_state.STEPS]),
+            int(counters[shared_state.LATE]),
             percentile_us(board.periods, 50.0),
             percentile_us(board.periods, 99.0),
-            counters[board_of.LONGEST_NS] * 1e-3,
+            counters[shared_state.LONGEST_NS] * 1e-3,
             percentile_us(board.durations, 99.0),
-            counters[board_of.WORST_STEP_NS] * 1e-3,
-            int(counters[board_of.REFUSED]),
+            counters[shared_state.WORST_STEP_NS] * 1e-3,
+            int(counters[shared_state.REFUSED]),
             self._lost,
-            counters[board_of.SOFTENING_PPM] * 1e-6,
+            counters[shared_state.SOFTENING_PPM] * 1e-6,
             board.fault(),
         )
 
@@ -201,7 +208,7 @@ class ForceFeedback:
         """Return whether the servo runs; if it was killed, set the device's force to zero."""
         if self._process.is_alive():
             return True
-        self._quiet()
+        self._zero_force()
         return False
 
     def stop(self) -> None:
@@ -209,27 +216,17 @@ class ForceFeedback:
         if self._closed:
             return
         self._closed = True
-        self._board.counters[board_of.STOP] = 1
+        self._board.counters[shared_state.STOP] = 1
         self._process.join(_STOP_S)
         if self._process.is_alive():
             self._process.kill()
             self._process.join()
-        self._quiet()
+        self._zero_force()
         self._tree_memory.close()
         self._tree_memory.unlink()
         self._board.close()
 
-    def _wait_until_up(self) -> None:
-        end = time.monotonic() + _START_S
-        while self._board.counters[board_of.STATE] == board_of.STARTING:
-            if not self._process.is_alive() or time.monotonic() > end:
-                why = self._board.fault() or Message(
-                    "exit status {status}", status=self._process.exitcode
-                )
-                raise DeviceError("the servo did not start: {why}", why=why)
-            time.sleep(0.01)
-
-    def _quiet(self) -> None:
+    def _zero_force(self) -> None:
         """Set the force to zero for a servo that was killed and could not."""
         if self._process.exitcode in (0, None) or not isinstance(self._port, HidForcePort):
             return

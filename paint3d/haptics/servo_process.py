@@ -14,15 +14,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.machine import ENDING
+from paint3d.core.machine import ENDING, end_with_parent
 from paint3d.core.quaternion import multiply, turn
 from paint3d.device.force.force_port import ForcePort
 from paint3d.device.force.haptic_stylus import PoseNumbers
 from paint3d.errors import DeviceError, Message
-from paint3d.haptics import shared_state as board_of
+from paint3d.haptics import shared_state
 from paint3d.haptics.kernels import state as hs
 from paint3d.haptics.kernels.step import servo_step
-from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, end_with_parent, keep_in_memory
+from paint3d.haptics.realtime import SCHEDULES, ask_for_speed, keep_in_memory
 from paint3d.haptics.shared_state import RING_COLUMNS, SNAPSHOT_COLUMNS, ServoBoard, TreeBlock
 from paint3d.mesh.kernels.bvh import ContactTree
 from paint3d.pose.calibration import DeviceCalibration
@@ -63,7 +63,7 @@ class _Servo:
         self._snapshot_ns = self._snapshot[:1].view(np.int64)
         self._target = self._snapshot[1:8]
         self._settings = self._snapshot[8 : 8 + hs.N_SETTINGS].view(hs.SETTINGS)
-        self._known = False
+        self._has_snapshot = False
         self._row = np.zeros(RING_COLUMNS)
         self._row_ns = self._row[:1].view(np.int64)
         self._pose = np.array([0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0])
@@ -85,15 +85,15 @@ class _Servo:
     def stopped(self) -> bool:
         """Return whether the loop must end."""
         is_orphan = os.getppid() != self.parent
-        return self.stopping or is_orphan or self.board.counters[board_of.STOP] != 0
+        return self.stopping or is_orphan or self.board.counters[shared_state.STOP] != 0
 
     def refused(self) -> None:
         """Count a report that could not be read."""
-        self.board.counters[board_of.REFUSED] += 1
+        self.board.counters[shared_state.REFUSED] += 1
 
     def step(self, pose: PoseNumbers | None, now_ns: int) -> tuple[float, float, float]:
         """Return the force, N, in the device's frame."""
-        if pose is not None:  # to the world's frame
+        if pose is not None:  # into the world's frame
             x, y, z = turn(self._rotation, pose.position)
             scale, (dx, dy, dz), world = self._scale, self._shift, self._pose
             world[0], world[1], world[2] = scale * x + dx, scale * y + dy, scale * z + dz
@@ -101,12 +101,12 @@ class _Servo:
             self._pose_ns = pose.time_ns
         dt = (now_ns - self._last_ns) * 1e-9 if self._last_ns else 0.001
         self._last_ns = now_ns
-        known = self.board.read_snapshot(self._snapshot) or self._known
-        self._known = known
+        if self.board.read_snapshot(self._snapshot):
+            self._has_snapshot = True
         moment = hs.Moment(
             min(max(dt, _SHORTEST_DT_S), _LONGEST_DT_S),
             (now_ns - self._pose_ns) * 1e-9 if self._pose_ns else _LONG_AGO_S,
-            (now_ns - int(self._snapshot_ns[0])) * 1e-9 if known else _LONG_AGO_S,
+            (now_ns - int(self._snapshot_ns[0])) * 1e-9 if self._has_snapshot else _LONG_AGO_S,
             self.stopped(),
         )
         self._flags = servo_step(
@@ -124,10 +124,10 @@ class _Servo:
             return
         spent = time.monotonic_ns() - self._began_ns
         board = self.board
-        board.note(board.durations, spent)
+        board.count(board.durations, spent)
         if spent > self._worst_ns:
             self._worst_ns = spent
-            board.counters[board_of.WORST_STEP_NS] = spent
+            board.counters[shared_state.WORST_STEP_NS] = spent
         self._note_period(self._began_ns)
         row = self._row
         self._row_ns[0] = pose.time_ns
@@ -144,14 +144,14 @@ class _Servo:
         if self._last_pose_ns:
             period = now_ns - self._last_pose_ns
             late = period > _LATE_NS
-            self.board.note(self.board.periods, period)
-            counters[board_of.LATE] += late
-            counters[board_of.LONGEST_NS] = max(counters[board_of.LONGEST_NS], period)
+            self.board.count(self.board.periods, period)
+            counters[shared_state.LATE] += late
+            counters[shared_state.LONGEST_NS] = max(counters[shared_state.LONGEST_NS], period)
             self._recent_late += late
-        counters[board_of.STEPS] += 1
-        counters[board_of.BEAT_NS] = now_ns
+        counters[shared_state.STEPS] += 1
+        counters[shared_state.BEAT_NS] = now_ns
         self._last_pose_ns = now_ns
-        if counters[board_of.STEPS] % _STEADY == 0:
+        if counters[shared_state.STEPS] % _STEADY == 0:
             self._soften(self._recent_late / _STEADY)
             self._recent_late = 0
 
@@ -165,7 +165,7 @@ class _Servo:
         current = float(self._state[0]["softening"])
         softening = min(target, current + 0.02) if target > current else target
         self._state["softening"] = softening
-        self.board.counters[board_of.SOFTENING_PPM] = int(1e6 * softening)
+        self.board.counters[shared_state.SOFTENING_PPM] = int(1e6 * softening)
 
 
 def new_state() -> NDArray[np.void]:
@@ -178,10 +178,10 @@ def new_state() -> NDArray[np.void]:
 
 def run_servo(task: ServoTask) -> None:
     """Run the servo: main function of its process."""
-    end_with_parent()
+    end_with_parent(lambda _: signal.raise_signal(signal.SIGTERM))
     board = ServoBoard(task.board)
     counters = board.counters
-    counters[board_of.PID] = os.getpid()
+    counters[shared_state.PID] = os.getpid()
     tree, memory = task.tree.attach()
     servo = _Servo(task, tree, board)
 
@@ -192,14 +192,14 @@ def run_servo(task: ServoTask) -> None:
         signal.signal(number, stop)
     servo.warm_up()
     keep_in_memory()
-    counters[board_of.SCHEDULE] = SCHEDULES.index(ask_for_speed())
-    counters[board_of.STATE] = board_of.RUNNING
+    counters[shared_state.SCHEDULE] = SCHEDULES.index(ask_for_speed())
+    counters[shared_state.STATE] = shared_state.RUNNING
     try:
         task.port.run(servo)
-        counters[board_of.STATE] = board_of.STOPPED
+        counters[shared_state.STATE] = shared_state.STOPPED
     except Exception as fault:  # of any kind: the program must learn of it
-        board.explain(fault.message if isinstance(fault, DeviceError) else Message(repr(fault)))
-        counters[board_of.STATE] = board_of.FAILED
+        board.store_fault(fault.message if isinstance(fault, DeviceError) else Message(repr(fault)))
+        counters[shared_state.STATE] = shared_state.FAILED
     finally:
         del servo.tree, tree
         memory.close()

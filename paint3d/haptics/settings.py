@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.materials import WAVE_RANGE_MM, Material
+from paint3d.core.array_state import known_fields
 from paint3d.core.arrays import as_number
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError
@@ -76,7 +77,7 @@ class HapticSettings:
     wave_mm : float
         Wavelength of the grain.
     texture : float
-        How much of the grain is felt, 0 (nothing) to 1.
+        Fraction of the grain that is felt, 0 to 1.
     ahead_mm, ahead_n : float
         Anticipation: a force that begins at distance `ahead_mm` from the surface and grows to
         `ahead_n` at contact; 0 mm: none.
@@ -194,7 +195,7 @@ class Feel:
     click_n : float
         Force of the click when the brush is dipped, N, 0 to 1; 0: none.
     texture : float
-        How much of the surface's grain is felt, 0 (nothing) to 1.
+        Fraction of the surface's grain that is felt, 0 to 1.
 
     Raises
     ------
@@ -214,12 +215,11 @@ class Feel:
         as_number(self.texture, "texture", 0.0, 1.0, DeviceError)
 
     @classmethod
-    def from_words(cls, words: Mapping[str, float]) -> Feel:
+    def from_dict(cls, stored: Mapping[str, float]) -> Feel:
         """Read the choices from a file's entries; unknown ones are ignored."""
-        known = {own.name for own in dataclasses.fields(cls)}
-        return cls(**{name: value for name, value in words.items() if name in known})
+        return cls(**known_fields(cls, stored))
 
-    def as_words(self) -> dict[str, float]:
+    def as_dict(self) -> dict[str, float]:
         """Return all choices, ready for a file."""
         return dataclasses.asdict(self)
 

@@ -24,7 +24,6 @@ from paint3d.errors import DeviceError, Message
 from paint3d.mesh.kernels.bvh import ContactTree
 
 __all__ = [
-    "BIN_US",
     "RING_COLUMNS",
     "SNAPSHOT_COLUMNS",
     "ServoBoard",
@@ -44,37 +43,34 @@ def make_shared_memory(n_bytes: int) -> SharedMemory:
     Raises
     ------
     DeviceError
-        If there is no room for it.
+        If there is too little memory.
     """
     try:
         memory = SharedMemory(create=True, size=max(n_bytes, 1))
     except OSError as cause:
-        raise _no_room(n_bytes, cause) from None
+        raise _too_little_memory(n_bytes, cause) from None
     try:
-        # /dev/shm may be a small disk, as in most containers. A write to a page for which there is
-        # no room would then kill the process, so all pages are reserved now.
+        # /dev/shm may be a small disk, as in most containers. A write to a page that does not fit
+        # on it would then kill the process, so all pages are reserved now.
         with suppress(FileNotFoundError), open(_DISK / memory.name, "r+b") as file:
             reserve_space(file, memory.size)
     except OSError as cause:
         memory.close()
         memory.unlink()
-        raise _no_room(n_bytes, cause) from None
+        raise _too_little_memory(n_bytes, cause) from None
     return memory
 
 
-def _no_room(n_bytes: int, cause: OSError) -> DeviceError:
+def _too_little_memory(n_bytes: int, cause: OSError) -> DeviceError:
     return DeviceError(
-        "no {n_bytes:.3g} MB of memory to share with the stylus' process ({cause}); expected room "
-        "for them in {disk}: a container is given more of it when it is started",
+        "{megabytes:.3g} MB of memory to share with the stylus' process cannot be allocated "
+        "({cause}); expected as much in {disk}: a container gets more when it is started with a "
+        "larger one",
         hint="--shm-size",
-        n_bytes=1e-6 * n_bytes,
+        megabytes=1e-6 * n_bytes,
         cause=cause,
         disk=_DISK,
     )
-
-
-def _packed(fault: Message) -> bytes:
-    return json.dumps(fault.to_words(), ensure_ascii=False).encode()
 
 
 # ---- The board -----------------------------------------------------------------------------------
@@ -103,13 +99,13 @@ class TreeBlock:
     parts: tuple[tuple[tuple[int, ...], str, int], ...]
 
     @classmethod
-    def share(cls, tree: ContactTree) -> tuple[TreeBlock, SharedMemory]:
+    def allocate(cls, tree: ContactTree) -> tuple[TreeBlock, SharedMemory]:
         """Copy a tree into new shared memory, which the caller must unlink.
 
         Raises
         ------
         DeviceError
-            If there is no room for it.
+            If there is too little memory.
         """
         parts, offset = [], 0
         for array in tree:
@@ -144,7 +140,7 @@ class ServoBoard:
     Raises
     ------
     DeviceError
-        If there is no room for a new one.
+        If there is too little memory for a new one.
     """
 
     def __init__(self, name: str | None = None) -> None:
@@ -208,21 +204,22 @@ class ServoBoard:
 
     # -- statistics -------------------------------------------------------------------------
 
-    def note(self, bins: AnyArray, nanoseconds: int) -> None:
+    def count(self, bins: AnyArray, nanoseconds: int) -> None:
         """Count a time in a histogram of 10 us bins."""
         bins[min(nanoseconds // (1000 * BIN_US), _BINS - 1)] += 1
 
-    def explain(self, fault: Message) -> None:
-        """Store why the servo ended; of what is too long for it, only how it begins."""
-        data = _packed(fault)
-        if len(data) > _TEXT:
-            data = _packed(Message(fault[: _TEXT // 8]))
+    def store_fault(self, fault: Message) -> None:
+        """Store why the servo ended; a message that is too long is cut."""
+        for message in (fault, Message(fault[: _TEXT // 8])):
+            data = json.dumps(message.to_json(), ensure_ascii=False).encode()
+            if len(data) <= _TEXT:
+                break
         self._text[: len(data)] = np.frombuffer(data, np.uint8)
 
     def fault(self) -> Message | None:
         """Return why the servo ended; None if nothing went wrong."""
         data = self._text.tobytes().rstrip(b"\0")
-        return Message.from_words(json.loads(data)) if data else None
+        return Message.from_json(json.loads(data)) if data else None
 
     def close(self) -> None:
         """Release the memory; its owner also unlinks it."""
@@ -233,7 +230,7 @@ class ServoBoard:
 
 
 def percentile_us(bins: AnyArray, percent: float) -> float:
-    """Percentile of a histogram of 10 us bins: the upper edge of its bin, us."""
+    """Compute a percentile of a histogram of 10 us bins: the upper edge of its bin, us."""
     total = int(bins.sum())
     if total == 0:
         return float("nan")

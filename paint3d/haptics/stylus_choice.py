@@ -19,7 +19,7 @@ from paint3d.errors import DeviceError, InputError
 from paint3d.haptics.settings import PHANTOM_DESKTOP, TOUCH, DeviceLimits
 from paint3d.pose.calibration import DeviceCalibration
 
-__all__ = ["STYLI", "FoundStylus", "check_stylus", "find_stylus", "key_of_node"]
+__all__ = ["STYLI", "DetectedStylus", "check_stylus", "find_stylus", "key_of_node"]
 
 STYLI = ("auto", "hid", "openhaptics", "inverse3", "none")
 """Choices of a stylus; one with a library or service may give its location after "="."""
@@ -31,8 +31,8 @@ log = logging.getLogger("paint3d")
 
 
 @dataclass(frozen=True)
-class FoundStylus:
-    """A stylus that was found.
+class DetectedStylus:
+    """A force-feedback stylus that is connected.
 
     Attributes
     ----------
@@ -81,7 +81,7 @@ def _split(choice: str) -> tuple[str, str]:
     return kind, location
 
 
-def find_stylus(choice: str = "auto") -> FoundStylus | None:
+def find_stylus(choice: str = "auto") -> DetectedStylus | None:
     """Find the chosen stylus; None for "none", or if "auto" finds none.
 
     "auto" takes the first available of paint3d's own HID protocol, OpenHaptics, Inverse3.
@@ -124,7 +124,7 @@ def find_stylus(choice: str = "auto") -> FoundStylus | None:
     return None
 
 
-def _find_hid(_: str) -> FoundStylus:
+def _find_hid(_: str) -> DetectedStylus:
     nodes = list_nodes(("stylus",))
     if not nodes:
         raise DeviceError(
@@ -138,25 +138,25 @@ def _find_hid(_: str) -> FoundStylus:
         raise explain_failure(node)
     port = HidForcePort(node)
     frame = DeviceCalibration()
-    return FoundStylus("hid", node.name, key_of_node(node), port, PHANTOM_DESKTOP, frame)
+    return DetectedStylus("hid", node.name, key_of_node(node), port, PHANTOM_DESKTOP, frame)
 
 
-def _find_openhaptics(location: str) -> FoundStylus:
+def _find_openhaptics(location: str) -> DetectedStylus:
     is_library = "/" in location or ".so" in location or location.endswith(".dll")
     port = OpenHapticsPort(library=location) if is_library else OpenHapticsPort(location)
     force, stiffness = port.read_limits()
     limits = DeviceLimits(force, stiffness or TOUCH.max_stiffness)
     frame = DeviceCalibration(np.array(WORLD_FROM_OPENHAPTICS))
     name = port.name or "default device"
-    return FoundStylus(
+    return DetectedStylus(
         "openhaptics", f"OpenHaptics {name}", _key("openhaptics", port.name), port, limits, frame
     )
 
 
-def _find_inverse3(location: str) -> FoundStylus:
+def _find_inverse3(location: str) -> DetectedStylus:
     port = Inverse3Port(location or URI)
     name = port.read_name()
-    return FoundStylus(
+    return DetectedStylus(
         "inverse3",
         f"Haply Inverse3 {name}",
         _key("inverse3", name),

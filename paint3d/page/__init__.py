@@ -1,4 +1,4 @@
-"""The studio as a page: what Python makes for it, as a folder of static files."""
+"""Builder of the studio as a web page: a folder of static files, or one file."""
 
 import lazy_loader
 

@@ -1,13 +1,13 @@
-"""Texts of the page's copybook: what they look like, where they lie, and how hands write them.
+"""Texts of the page's copybook: outlines of characters, layout, and planned handwriting.
 
 Files for the page (`paint3d.page.bundle`). One is of outlines; words: ``{"licence", "characters":
 {character: [..]}}``, of each the counts of points of its rings in `outlines`, (N, 2) int16 glyph
 units from the middle of the em square. One is of each planned hand; words: ``{"steps",
 "characters": {character: [..]}}``, of each the counts of samples of its strokes in `samples`, (9,
-M) int16 in `steps` (9,): s since the stroke's first, the position of the brush's root over flat
-paper, mm from the square's middle, its orientation, and its pressure. A hand is planned at one
-size, for one brush; at another size within `SCALED` its ways are scaled, and its strokes stay as
-wide as they are.
+M) int16 in units of `steps` (9,): s since the stroke's first, the position of the brush's root over
+flat paper, mm from the square's middle, its orientation, and its pressure. A hand is planned at one
+size, for one brush; at another size within `SCALED` its paths are scaled, and its strokes keep
+their width.
 """
 
 from __future__ import annotations
@@ -52,24 +52,24 @@ KNOWN = (
     "永和九年歲在癸丑暮春之初會于山陰蘭亭修禊事也一二三四五六七八十甲乙丙丁戊己庚辛壬"
     "子寅卯辰巳午未申酉戌亥年書月日夏秋冬人天地水火木金石竹梅花心道"
 )
-"""Characters that are there without being asked for, but not planned."""
+"""Characters whose outlines are always included, but which are not planned."""
 SIGNED = "甲乙丙丁戊己庚辛壬癸子丑寅卯辰巳午未申酉戌亥年書"
-"""What years of the sixty are signed by."""
+"""Characters that the years of the sexagenary cycle are signed with."""
 EM_MM = 40.0
-"""Of texts on what is no sheet."""
+"""Size of texts on objects that are no sheets."""
 SCALED = 1.27
-"""Times that a planned hand writes larger or smaller than it was planned, at most."""
+"""Greatest factor by which planned handwriting is enlarged or reduced."""
 
 _SIGNATURE = 4  # characters
-_SIGNATURE_MM = 14.0  # beside texts on what is no sheet
-_EVERY = 4  # of a planned hand's 250 samples a second
-_STRAY = 1.5  # glyph units that an outline's chord may
-_AROUND = 1.5  # ems of paper that a plan is made on
+_SIGNATURE_MM = 14.0  # size on objects that are no sheets
+_EVERY = 4  # of a plan's 250 samples a second that are kept
+_TOLERANCE = 1.5  # glyph units between an outline and its chords
+_PAPER_EM = 1.5  # side of the paper that a plan is made on
 _SECONDS, _EM_PARTS, _TURNS, _PRESSURES = 2.0**-10, 2.0**-13, 2.0**-14, 2.0**-14  # steps
 
 
 class LaidOut(NamedTuple):
-    """How a text stands on an object, and its signature beside it: `LaidText`'s words of both."""
+    """Layout of a text on an object and of the signature beside it, as `LaidText` stores them."""
 
     text: dict[str, Any]
     signature: dict[str, Any]
@@ -85,29 +85,28 @@ class PlannedHand(NamedTuple):
 
 
 def glyphs_for(text: str) -> GlyphSource:
-    """A source of all characters of a text and, of those that there are, of `KNOWN`.
+    """Open a source of glyphs that has all characters of a text.
 
     Raises
     ------
     GlyphError, InputError
-        If a character is not known, to fonts of the system neither.
+        If a character has no glyph, nor one in the system's fonts.
     """
     return with_fallback(open_glyphs(None), "".join(text.split()))
 
 
 def lay_out(mesh: TriangleMesh, text: str) -> LaidOut:
-    """A text as it fills a sheet, with its signature; both at usual sizes where it cannot."""
+    """Lay a text out to fill a sheet, with its signature; on other objects at usual sizes."""
     sheet = sheet_of(mesh)
     try:
-        found = None if sheet is None else compose(sheet, text, signature=_SIGNATURE)
+        composed = None if sheet is None else compose(sheet, text, signature=_SIGNATURE)
     except InputError:  # too long for it, which the page says
-        found = None
-    if found is None:
-        text_words = {"text": text, "em_mm": EM_MM}
-        return LaidOut(text_words, {"em_mm": _SIGNATURE_MM}, _SIGNATURE_MM)
-    lines, em_mm = "\n".join(found.lines), round(found.em_mm, 1)
-    gap, between = round(found.gap, 3), round(found.between, 3)
-    at = found.point
+        composed = None
+    if composed is None:
+        return LaidOut({"text": text, "em_mm": EM_MM}, {"em_mm": _SIGNATURE_MM}, _SIGNATURE_MM)
+    lines, em_mm = "\n".join(composed.lines), round(composed.em_mm, 1)
+    gap, between = round(composed.gap, 3), round(composed.between, 3)
+    at = composed.point
     point = None if at is None else (round(at[0], 1), round(at[1], 1), round(at[2], 1))
     layout = Layout(point=point, gap=gap, between=between)
     squares = [placed.square for placed in layout_text(ClosestPoints(mesh), lines, em_mm, layout)]
@@ -124,10 +123,10 @@ def lay_out(mesh: TriangleMesh, text: str) -> LaidOut:
 def hands_for(
     wanted: Iterable[tuple[float, str]], brushes: Sequence[str]
 ) -> tuple[PlannedHand, ...]:
-    """Hands that write texts of some sizes, mm: one for all sizes that it can be scaled to.
+    """Choose the hands to plan for texts of some sizes, mm: one for all sizes within `SCALED`.
 
-    Smaller ones than brushes are made for have none. Each has the brush
-    whose thickness is nearest to what suits its size.
+    Sizes below those that presets are made for get none. Each hand has the brush whose diameter is
+    nearest to the one that suits its size.
     """
     groups: list[list[tuple[float, str]]] = []
     for em_mm, text in sorted(one for one in wanted if one[0] >= SMALLEST_PRESET_EM):
@@ -136,28 +135,23 @@ def hands_for(
         groups[-1].append((em_mm, text))
     hands = []
     for group in groups:
-        planned_mm = _middle(group[0][0], group[-1][0])
+        em_mm = _middle(group[0][0], group[-1][0])
         characters = "".join("".join(text for _, text in group).split())
-        hands.append(
-            PlannedHand(
-                _nearest(planned_mm, brushes), planned_mm, "".join(dict.fromkeys(characters))
-            )
+        wanted_mm = brush_for(em_mm).root_diameter_mm
+        brush = min(
+            brushes, key=lambda name: abs(math.log(load_brush(name).root_diameter_mm / wanted_mm))
         )
+        hands.append(PlannedHand(brush, em_mm, "".join(dict.fromkeys(characters))))
     return tuple(hands)
 
 
 def _middle(low: float, high: float) -> float:
-    """Return the size, mm, to plan at for all between two; never too large for the smallest."""
+    """Compute the size, mm, to plan at for all between two, within `SCALED` of the smallest."""
     return math.floor(10.0 * min(math.sqrt(low * high), SCALED * low)) / 10.0
 
 
-def _nearest(em_mm: float, brushes: Sequence[str]) -> str:
-    wanted = brush_for(em_mm).root_diameter_mm
-    return min(brushes, key=lambda name: abs(math.log(load_brush(name).root_diameter_mm / wanted)))
-
-
 def outline_table(text: str, source: GlyphSource) -> Table:
-    """The outlines of a text's characters and of those of `KNOWN`."""
+    """Make the table of outlines of a text's characters and of those of `KNOWN`."""
     every = dict.fromkeys([*"".join(text.split()), *filter(source.has, KNOWN)])
     rings = {one: list(_rings(source.load(one))) for one in every}
     words = {
@@ -169,16 +163,17 @@ def outline_table(text: str, source: GlyphSource) -> Table:
 
 
 def _rings(glyph: Glyph) -> Iterable[AnyArray]:
+    """Yield the rings of a glyph, (N, 2) int16 from the middle of the em square, simplified."""
     import shapely
 
     for stroke in glyph.strokes:
         for ring in (stroke.outline, *stroke.holes):
-            line = shapely.LinearRing(ring - np.array(glyph.middle)).simplify(_STRAY)
+            line = shapely.LinearRing(ring - np.array(glyph.middle)).simplify(_TOLERANCE)
             yield np.rint(shapely.get_coordinates(line)[:-1]).astype(np.int16)
 
 
 def hand_table(hand: PlannedHand, source: GlyphSource) -> Table:
-    """How a hand writes its characters.
+    """Make the table of a hand's characters as it writes them.
 
     Raises
     ------
@@ -198,18 +193,18 @@ def hand_table(hand: PlannedHand, source: GlyphSource) -> Table:
 
 
 def _plan(text: str, source: GlyphSource, brush: str, em_mm: float) -> list[AnyArray]:
-    """A character's strokes on flat paper, (M, 9) each."""
-    side = _AROUND * em_mm
+    """Plan a character's strokes on flat paper, (M, 9) each: see the module."""
+    side = _PAPER_EM * em_mm
     paper = load_mesh(f"sheet:{side:g}x{side:g}")
     settings = WritingSettings(load_brush(brush), em_mm)
     written = write_text(paper, text, source, settings, Layout(point=(0.0, 0.0, 0.0))).recording
-    assert written.pressure is not None, "a plan says how firmly the brush is pressed"
+    assert written.pressure is not None, "a plan has pressures"
     down = np.concatenate([[False], written.pressure > 0.0, [False]])
     ends = np.flatnonzero(down[1:] != down[:-1]).reshape(-1, 2)
     strokes = []
     for first, last in ends:
-        kept = np.unique([*range(first, last, _EVERY), last - 1])
-        seconds = (written.time_ns[kept] - written.time_ns[first]) * 1e-9
-        rows = [seconds, written.position[kept], written.orientation[kept], written.pressure[kept]]
+        ids = np.unique([*range(first, last, _EVERY), last - 1])
+        seconds = (written.time_ns[ids] - written.time_ns[first]) * 1e-9
+        rows = [seconds, written.position[ids], written.orientation[ids], written.pressure[ids]]
         strokes.append(np.column_stack(rows))
     return strokes

@@ -10,13 +10,13 @@ function render({ model, el }) {
   const fromPage = ({ source, data }) => {
     if (source === frame.contentWindow && data?.paint3d !== undefined) model.send({ ...data, view });
   };
-  const fromPython = (told) => {
-    if (told.paint3d === "heard") {
-      model.set("strokes", told.strokes); // from here, as a notebook that runs again by itself hears no other changes
+  const fromPython = (message) => {
+    if (message.paint3d === "heard") {
+      model.set("strokes", message.strokes); // from here, as a notebook that runs again by itself hears no other changes
       model.save_changes();
-    } else if (told.view === view) {
+    } else if (message.view === view) {
       isCurrent = true;
-      frame.contentWindow?.postMessage(told, "*");
+      frame.contentWindow?.postMessage(message, "*");
     } else if (isCurrent) frame.replaceWith("This painting goes on where it was shown last.");
   };
   addEventListener("message", fromPage);

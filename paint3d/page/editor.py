@@ -1,7 +1,7 @@
-"""A notebook widget in which a painting is continued.
+"""Notebook widget in which a painting is continued.
 
-It shows the page of one file (`single_file`) in a frame, which tells it line by line what is done,
-as a recording.
+It shows the page of one file (`single_file`) in a frame, which sends the lines of a score as
+somebody paints.
 """
 
 from __future__ import annotations
@@ -43,35 +43,35 @@ class Editor(AnyWidget):
     def __init__(self, surface: PaintedSurface, score: Score, page: str, height: int) -> None:
         self._mesh = surface.source
         self._text = "".join(write_score(score))
-        self._view = ""  # id of the view that goes on with it; a notebook may show several
+        self._view = ""  # id of the view that continues it; a notebook may show several
         self._painted: tuple[str, Document] | None = None
         n_strokes = self._text.count('"begin_stroke"')
         super().__init__(_page=page, _height=height, strokes=n_strokes)
-        self.on_msg(self._hear)
+        self.on_msg(self._receive)
 
-    def _hear(self, _: object, told: Mapping[str, str], __: object) -> None:
-        """Take up what the page has told: a recording, or lines that came since."""
-        what, text, view = told["paint3d"], told["text"], told["view"]
-        if what == "read":
+    def _receive(self, _: object, message: Mapping[str, str], __: object) -> None:
+        """Handle a message of the page: a whole score, or lines that were added to it."""
+        kind, text, view = message["paint3d"], message["text"], message["view"]
+        if kind == "read":
             self._view = view
             self.send({"paint3d": "kept", "text": self._text, "view": view})
         elif view == self._view:
-            self._text = text if what == "begin" else self._text + text
+            self._text = text if kind == "begin" else self._text + text
             self.send({"paint3d": "heard", "strokes": self._text.count('"begin_stroke"')})
 
     @property
     def score(self) -> Score:
-        """All that was done, from the bare object on."""
+        """Score of the painting, from the bare object on."""
         return read_score(self._text, _NAME)
 
     @property
     def surface(self) -> PaintedSurface:
-        """The painting as the page shows it, to the byte; painted anew where it has gone on."""
+        """The painting as the page shows it, to the byte; repainted if it has been continued."""
         return self._document().surface
 
     @property
     def recording(self) -> Recording:
-        """The hand in all strokes that were not undone, one after another.
+        """The samples of all strokes that were not undone, one stroke after another.
 
         Raises
         ------
@@ -94,7 +94,7 @@ class Editor(AnyWidget):
         self._document().save(path)
 
     def _document(self) -> Document:
-        text = self._text  # which may go on while it is painted
+        text = self._text  # messages may add to it meanwhile
         if self._painted is None or self._painted[0] != text:
             self._painted = text, painted(read_score(text, _NAME), self._mesh)
         return self._painted[1]

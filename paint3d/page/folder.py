@@ -1,4 +1,4 @@
-"""The folder of static files that is the studio as a page."""
+"""Writer of the page as a folder of static files."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ import re
 import shutil
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -58,10 +59,10 @@ __all__ = [
     "MATERIALS",
     "OBJECTS",
     "PageObject",
+    "available_texts",
     "build_page",
     "check_built",
     "check_grains",
-    "known_texts",
     "resolution_for",
 ]
 
@@ -73,7 +74,7 @@ BUILT: Path = Path(__file__).with_name("built")
 
 
 class PageObject(NamedTuple):
-    """An object, the longest edge where there is paint, mm, and its mesh where no file has it."""
+    """An object by name, its longest edge under paint, mm, and its mesh if it has no file."""
 
     name: str
     resolution: float
@@ -107,14 +108,14 @@ COPYBOOK = (
     "寧靜致遠",
     "永",
 )
-"""Poems of Li Bai (靜夜思) and Wang Wei, a saying of Zhuge Liang, and what beginners write."""
+"""Poems of Li Bai (靜夜思) and Wang Wei, a saying of Zhuge Liang, and a beginner's character."""
 _LITERALS = re.compile(r"""(?=(["'`])((?:(?!\1)[^\\\n]|\\.){4,300})\1)""")
-"""What may be a text in a script: all between two quotation marks that are alike."""
+"""Possible texts in a script: all between two equal quotation marks."""
 _CHINESE_OF_TONES = {"heavy": "重墨", "light": "淡墨", "clear": "清墨"}
 
 
 def resolution_for(name: str) -> float:
-    """The resolution that suits a sheet of a name, mm; 0.4 on other objects."""
+    """Return the resolution that suits a sheet of this name, mm; 0.4 for other objects."""
     return parse_sheet(name).detail_mm if is_sheet(name) else 0.4
 
 
@@ -123,17 +124,17 @@ OBJECTS = tuple(
 )
 
 
-def known_texts() -> list[str]:
-    """Those of `COPYBOOK` whose characters are known, to fonts of the system at least."""
-    known = []
+def available_texts() -> list[str]:
+    """List the texts of `COPYBOOK` for whose characters there are glyphs."""
+    available = []
     for text in COPYBOOK:
         try:
             glyphs_for(text)
         except Paint3DError as cause:
             _LOG.warning("%.5s is left out: %s", text, cause)
         else:
-            known.append(text)
-    return known
+            available.append(text)
+    return available
 
 
 def build_page(
@@ -141,7 +142,7 @@ def build_page(
     objects: Sequence[PageObject] = OBJECTS,
     brushes: Sequence[str] = BRUSHES,
     inks: Sequence[str] = INKS,
-    progress: Callable[[float], None] = lambda share: None,
+    progress: Callable[[float], None] = lambda fraction: None,
     *,
     materials: Sequence[str] = (),
     copybook: Sequence[str] = (),
@@ -150,73 +151,75 @@ def build_page(
     page: Path | None = BUILT,
     kernels: Path = KERNELS,
 ) -> None:
-    """Write the studio as a page into a folder, which any web server can hand out.
+    """Write the studio as a page into a folder, which any web server can serve.
 
     Parameters
     ----------
     out : Path
-        It is made where missing; files of an earlier build are replaced.
+        Made if missing; files of an earlier build are replaced.
     objects : sequence of PageObject
-        By the names that `load_mesh` takes, built-in ones or files, each with its spacing.
+        By the names that `load_mesh` takes, built-in ones or files.
     brushes : sequence of str
         Presets.
     inks : sequence of str
-        As `load_ink` takes them; without coarse pigments, whose grains a page does not show.
+        As `load_ink` takes them; no coarse pigments, whose grains a page does not show.
     progress : callable
-        Called with the share that is done.
+        Called with the fraction done.
     materials : sequence of str
-        Beside those that suit the objects.
+        Besides those that suit the objects.
     copybook : sequence of str
-        Texts, laid out for each sheet and planned for the brushes that suit their sizes; without
-        any there is no copybook.
+        Texts, laid out for each sheet and planned for the brushes that suit their sizes; if empty
+        there is no copybook.
     signed : bool
-        Whether signatures by years are planned, too.
+        Whether signatures with years are planned, too.
     seals : str
-        Characters that seals can be cut from, or `seals.EVERY`; without any there is no seal.
+        Characters that seals can be cut from, or `seals.EVERY`; if empty there are no seals.
     page, kernels : Path
-        Where ``npm run build`` and ``python -m tools.kernels --for wasm32`` have written to;
-        without a page only its data are written.
+        Output folders of ``npm run build`` and ``python -m tools.kernels --for wasm32``; None:
+        only the page's data are written.
 
     Raises
     ------
     ExportError
-        If the page or its kernels are not built, or the kernels are those of other sources, or
+        If the page or its kernels are not built, the kernels were built from other sources, or
         the folder cannot be written.
     InputError, UnknownNameError, MeshError
-        If an object, a brush, an ink or a character is not known, or is one that a page cannot
-        have.
+        If an object, a brush, an ink or a character is not known, or cannot be used in a page.
     """
-    glyphs = glyphs_for("".join(copybook))  # or says what is unknown
+    glyphs = glyphs_for("".join(copybook))  # raises for an unknown character
     index = check_built(page, kernels)
-    pigments, stirred = _pigments_of(inks)
+    parts_of = {name: load_ink(name) for name in inks}
+    pigments = list(dict.fromkeys(p for parts in parts_of.values() for p in parts))
+    check_grains(pigments)
+    pigments = list(dict.fromkeys([*pigments, load_pigment(WATER.name)]))
     loaded = [(one, load_mesh(one.name) if one.mesh is None else one.mesh) for one in objects]
     sheets = [sheet_of(mesh) for _, mesh in loaded]
     usual = ["porcelain" if sheet is None else sheet.usual.material for sheet in sheets]
     made_of = [load_material(name) for name in dict.fromkeys([*usual, *materials])]
     for name in brushes:
-        load_brush(name)  # what is not known is said before anything is made
-    files: dict[str, Callable[[], Table]] = {"common.bin.gz": lambda: common_table(pigments)}
+        load_brush(name)  # raises for an unknown brush before anything is written
+    files: dict[str, Callable[[], Table]] = {"common.bin.gz": partial(common_table, pigments)}
     contents: dict[str, Any] = {"version": __version__, "objects": [], "brushes": []}
     with _in_chinese():
         for (one, mesh), suits in zip(loaded, usual, strict=True):
             file = f"objects/{_plain(one.name)}-{one.resolution:g}.bin.gz"
-            if file in files:  # of two files called alike, or in a script that names lose
+            if file in files:  # two files of one name, or names without Latin letters
                 file = f"objects/{len(files)}-{_plain(one.name)}-{one.resolution:g}.bin.gz"
             contents["objects"].append(
                 {"name": one.name, "chinese": say_object(one.name), "file": file}
                 | {"resolution": one.resolution, "material": suits}
             )
-            files[file] = lambda mesh=mesh, mm=one.resolution: object_table(mesh, mm)  # type: ignore[misc]
+            files[file] = partial(object_table, mesh, one.resolution)
         for name in brushes:
             file, chinese = f"brushes/{_plain(name)}.bin.gz", say_brush(name)
             contents["brushes"].append({"name": name, "chinese": chinese, "file": file})
-            files[file] = lambda name=name, chinese=chinese: brush_table(name, chinese)  # type: ignore[misc]
+            files[file] = partial(brush_table, name, chinese)
     contents["materials"] = []
     for material in made_of:
         file = f"materials/{_plain(material.name)}.bin.gz"
         words = {"name": material.name, "chinese": material.chinese, "file": file}
         contents["materials"].append(words)
-        files[file] = lambda material=material: material_table(material, pigments)  # type: ignore[misc]
+        files[file] = partial(material_table, material, pigments)
     if copybook:
         sizes: list[tuple[float, str]] = []
         for words, (_, mesh) in zip(contents["objects"], loaded, strict=True):
@@ -230,11 +233,11 @@ def build_page(
             "scaled": SCALED,
             "hands": [],
         }
-        files["copybook.bin.gz"] = lambda: outline_table("".join(copybook), glyphs)
+        files["copybook.bin.gz"] = partial(outline_table, "".join(copybook), glyphs)
         for hand in hands_for([*sizes, *[(EM_MM, text) for text in copybook]], brushes):
             file = f"hands/{_plain(hand.brush)}-{hand.em_mm:g}.bin.gz"
             contents["copybook"]["hands"].append({**hand._asdict(), "file": file})
-            files[file] = lambda hand=hand: hand_table(hand, glyphs)  # type: ignore[misc]
+            files[file] = partial(hand_table, hand, glyphs)
     if seals:
         contents["seals"] = {"file": "seals.bin.gz"}
         lines = seal_table(seals)
@@ -242,10 +245,11 @@ def build_page(
     contents["inks"] = [
         {
             "name": name,
-            "chinese": _CHINESE_OF_TONES.get(name, _chinese_of(stirred[name])),
-            "parts": {pigment.name: part for pigment, part in stirred[name].items()},
+            "chinese": _CHINESE_OF_TONES.get(name)
+            or "、".join(p.chinese or p.name for p in parts if p is not WATER),
+            "parts": {pigment.name: part for pigment, part in parts.items()},
         }
-        for name in inks
+        for name, parts in parts_of.items()
     ]
     try:
         out.mkdir(parents=True, exist_ok=True)
@@ -265,24 +269,13 @@ def build_page(
 
 
 def check_built(page: Path | None, kernels: Path) -> dict[str, Any]:
-    """The index of the page's kernels.
+    """Read the index of the page's kernels; see that the page is built, unless it is None.
 
     Raises
     ------
     ExportError
-        If they are not compiled, or are those of other sources, or the page is not built.
+        If the kernels are not compiled, or from other sources, or the page is not built.
     """
-    index = _read_index(kernels)
-    if page is not None and not (page / "index.html").is_file():
-        raise ExportError(
-            "the page is not built: {page} has no index.html; expected it to be",
-            page=page,
-            hint="npm ci && npm run build, in web/",
-        )
-    return index
-
-
-def _read_index(kernels: Path) -> dict[str, Any]:
     try:
         index: dict[str, Any] = json.loads((kernels / INDEX).read_text("utf-8"))
         is_there = index["format"] == FORMAT and (kernels / index["code"]["wasm32"]).is_file()
@@ -297,17 +290,23 @@ def _read_index(kernels: Path) -> dict[str, Any]:
     changed = [path for path, digest in index["sources"] if not is_unchanged(path, digest)]
     if changed:
         raise ExportError(
-            "the kernels of the page are those of other sources: {path} is not what they "
-            "were compiled from, in {kernels}; expected them to be compiled again",
+            "the kernels of the page in {kernels} are out of date: {path} has changed since; "
+            "expected them to be compiled again",
             kernels=kernels,
             path=changed[0],
             hint="./scripts/page",
+        )
+    if page is not None and not (page / "index.html").is_file():
+        raise ExportError(
+            "the page is not built: {page} has no index.html; expected it to be",
+            page=page,
+            hint="npm ci && npm run build, in web/",
         )
     return index
 
 
 def _page_index(index: Mapping[str, Any]) -> dict[str, Any]:
-    """What the page knows of the kernels: how each is called, and the records that they take."""
+    """Make the page's index of kernels: how each is called, and the records that they take."""
     kernels: dict[str, Any] = {}
     records: dict[str, Any] = {}
     for name, kernel in index["kernels"].items():
@@ -325,6 +324,7 @@ def _page_index(index: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _leaves(expected: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the types of an index's arguments, tuples flattened."""
     for value in expected.values():
         if isinstance(value, str):
             yield value
@@ -333,6 +333,7 @@ def _leaves(expected: Mapping[str, Any]) -> Iterator[str]:
 
 
 def _record(record: Mapping[str, Any]) -> dict[str, Any]:
+    """Describe a record of float64 fields: its size, and each field's offset and count."""
     fields = {}
     for name, kind, offset in zip(
         record["names"], record["formats"], record["offsets"], strict=True
@@ -343,49 +344,35 @@ def _record(record: Mapping[str, Any]) -> dict[str, Any]:
     return {"itemsize": record["itemsize"], "fields": fields}
 
 
-def _pigments_of(
-    inks: Sequence[str],
-) -> tuple[list[Pigment], dict[str, dict[Pigment, float]]]:
-    """The pigments of some inks and water, and the parts of each ink."""
-    stirred = {name: load_ink(name) for name in inks}
-    pigments = list(dict.fromkeys(p for parts in stirred.values() for p in parts))
-    check_grains(pigments)
-    return list(dict.fromkeys([*pigments, load_pigment(WATER.name)])), stirred
-
-
 def check_grains(pigments: Iterable[Pigment]) -> None:
-    """Refuse pigments whose grains are seen.
+    """Refuse pigments with visible grains.
 
     Raises
     ------
     InputError
-        Which one.
+        Naming the first.
     """
     coarse = [p.name for p in pigments if p.grain_um >= COARSE_UM]
     if coarse:
         raise InputError(
-            "the grains of {pigment} are seen, which a page does not show; expected a finer "
+            "the grains of {pigment} are visible, which a page does not show; expected a finer "
             "pigment",
             pigment=coarse[0],
         )
 
 
-def _chinese_of(parts: Mapping[Pigment, float]) -> str:
-    return "、".join(p.chinese or p.name for p in parts if p is not WATER)
-
-
 def _chinese_notes(page: Path) -> dict[str, str]:
-    """What the page's scripts say of somebody's files, in Chinese: texts of the catalogue."""
+    """Collect the Chinese of the catalogue's texts that occur in the page's scripts."""
     scripts = [path.read_text("utf-8") for path in sorted((page / "assets").glob("*.js"))]
-    found = {literal for script in scripts for _, literal in _LITERALS.findall(script)}
-    texts = {re.sub(r"\\(.)", r"\1", literal) for literal in found}
+    literals = {literal for script in scripts for _, literal in _LITERALS.findall(script)}
+    texts = {re.sub(r"\\(.)", r"\1", literal) for literal in literals}
     with _in_chinese():
         return {text: say(text) for text in sorted(texts) if say(text) != text}
 
 
 @contextmanager
 def _in_chinese() -> Iterator[None]:
-    """Within, names are said in Chinese."""
+    """Say names in Chinese within the ``with`` block."""
     before = language()
     choose_language("zh")
     try:
@@ -395,7 +382,7 @@ def _in_chinese() -> Iterator[None]:
 
 
 def _plain(name: str) -> str:
-    """A name as part of a file's."""
+    """Make a name usable in a file name."""
     return re.sub(r"[^0-9A-Za-z._-]+", "-", Path(name).stem if "/" in name else name)
 
 

@@ -1,4 +1,4 @@
-"""A painting in a notebook's cell: it is gone on with there, and comes back to Python."""
+"""Painting in a notebook's cell: `edit` shows a page, whose painting comes back to Python."""
 
 from __future__ import annotations
 
@@ -24,27 +24,27 @@ def edit(
     inks: Sequence[str] = folder.INKS,
     height: int = 640,
 ) -> Editor:
-    """Show a painting in a notebook's cell, to be painted on; `painting` itself stays as it is.
+    """Show a painting in a notebook's cell, to be painted on; `painting` itself is not changed.
 
     Parameters
     ----------
     painting : PaintedSurface or Session
-        A bare surface, or a session that knows how it was painted: one that was loaded, or one of
-        recordings whose ``settings`` name their ``brush`` and ``ink``.
+        A bare surface, or a session with a record of how it was painted: one that was loaded, or
+        one of recordings whose ``settings`` name their ``brush`` and ``ink``.
     brushes, inks : sequence of str
-        Presets and inks to paint with, beside those that it was painted with.
+        Presets and inks to paint with, besides those that it was painted with.
     height : int
-        Of the cell, pixels.
+        Height of the cell, pixels.
 
     Returns
     -------
     Editor
-        A widget; its `surface`, `recording` and `score` are what is painted so far.
+        A widget; its `surface`, `recording` and `score` are those of the painting so far.
 
     Raises
     ------
     InputError, UnknownNameError
-        If a page cannot paint it, or it is not known how it was painted.
+        If a page cannot paint it, or there is no record of how it was painted.
     ExportError
         If anywidget is not installed, or the page is not built.
     """

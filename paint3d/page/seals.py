@@ -1,4 +1,4 @@
-"""Lines of characters that seals of the page are cut from.
+"""Centre lines of characters, from which the page cuts seals.
 
 A file for the page (`paint3d.page.bundle`). Words: ``{"licence", "units", "characters"}``, the
 units of an em. Arrays: how many `strokes` (C,) each character has, how many points the lines
@@ -21,18 +21,18 @@ from paint3d.page.tables import Table
 __all__ = ["EVERY", "seal_table"]
 
 EVERY = "all"
-"""Asks for all characters that there are."""
+"""Stands for all characters that are installed."""
 
-_STRAY = 2.0  # glyph units that a line's chord may
+_TOLERANCE = 2.0  # glyph units between a line and its chords
 
 
 def seal_table(text: str) -> Table:
-    """The lines of a text's characters, or of `EVERY` one.
+    """Make the table of the lines of a text's characters, or of `EVERY` one.
 
     Raises
     ------
     InputError
-        If one is not known, or none is installed.
+        If a character has no lines, or none are installed.
     """
     source, folder = open_glyphs(None), find_kanjivg()
     assert folder is not None, "else open_glyphs refuses"
@@ -45,19 +45,19 @@ def seal_table(text: str) -> Table:
     strokes: list[int] = []
     lengths: list[int] = []
     points: list[AnyArray] = [np.empty((0, 2), np.int16)]
-    kept = []
+    available = []
     for one in characters:
         try:
-            lines = [_simple(stroke.line) for stroke in load_lines(folder, one)]
+            lines = [_simplified(stroke.line) for stroke in load_lines(folder, one)]
         except InputError:
             if text != EVERY:
                 raise
             continue
-        kept.append(one)
+        available.append(one)
         strokes.append(len(lines))
         lengths += map(len, lines)
         points += lines
-    words = {"licence": source.licence, "units": EM_UNITS, "characters": "".join(kept)}
+    words = {"licence": source.licence, "units": EM_UNITS, "characters": "".join(available)}
     return words, {
         "strokes": np.array(strokes, np.uint8),
         "lengths": np.array(lengths, np.uint8),
@@ -65,9 +65,10 @@ def seal_table(text: str) -> Table:
     }
 
 
-def _simple(line: AnyArray) -> AnyArray:
+def _simplified(line: AnyArray) -> AnyArray:
+    """Simplify a line (N, 2) to fewer points, int16."""
     import shapely
 
-    simple = shapely.LineString(line).simplify(_STRAY)
+    simple = shapely.LineString(line).simplify(_TOLERANCE)
     result: AnyArray = np.rint(shapely.get_coordinates(simple)).astype(np.int16)
     return result

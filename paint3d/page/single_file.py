@@ -1,8 +1,8 @@
-"""A painting as a page of one file: it shows the painting, how it grew, and lets one paint on it.
+"""Writer of a painting as one HTML file, which shows it, how it grew, and lets one continue it.
 
-The page is that of `build_page`, with every file that it would load packed into it. What it shows
-is painted there by the painting's score, so only what a page plays as it is played here can be
-carried: `page_score` says what cannot.
+The page is that of `build_page`, with every file that it would load packed into it. It paints what
+it shows by the painting's score, so a painting can be exported only if a page plays its score to
+the bit: `page_score` raises for those that it cannot.
 """
 
 from __future__ import annotations
@@ -42,33 +42,33 @@ from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.session import Session
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.page.folder import BUILT, INKS, KERNELS, PageObject, build_page, check_grains
-from paint3d.painter.ink_time import PIECE_S
+from paint3d.painter.ink_time import INK_STEP_S
 from paint3d.recording.score import Event, Score, write_score
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["bare_score", "page_score", "page_text", "write_single_file"]
 
 MOST_TRIANGLES = 500_000
-"""Of an object that a page has memory for, as of one that somebody brings to it."""
+"""Limit of an object that a page has memory for, also of one that a user opens in it."""
 MOST_STEPS, MOST_BYTES = 30, 1 << 28
-"""Steps that a page keeps to take back, and their bytes; the last one is kept in any case."""
+"""Undo steps that a page keeps, and their bytes; the last one is kept in any case."""
 _SCORE = "painting.score.jsonl"
 _HEAD = {"format": "paint3d-recording", "version": 2}
 _PLAYED: Mapping[str, Sequence[str]] = json.loads(
     Path(__file__).with_name("played.json").read_text("utf-8")
 )
-"""What a page plays (`Document.repeat`, web/src/page/document.ts), and the words that it heeds."""
+"""Commands that a page plays (`Document.repeat`, web/src/page/document.ts), and their arguments."""
 _NO_STEPS = {"end_stroke", "set_brush", "dip", "follow_time", "select_layer", "set_visible",
              "rename_layer"}  # fmt: skip
-"""Of these, what undo does not take back."""
+"""Commands among these that are no undo steps."""
 _N_SPECTRA = 4
-"""Of dried paint: as it lies, and over three grounds."""
-_UNHEARD = {"time_s"}
-"""Words that change nothing of what is painted."""
+"""Spectra kept of dried paint: as it lies, and over three grounds."""
+_IGNORED = {"time_s"}
+"""Arguments without effect on what is painted."""
 
 
 def page_score(session: Session, progress: Progress | None = None) -> Score:
-    """The score by which a page paints the painting to the bit, which is tried here.
+    """Return the score by which a page paints the painting to the bit; it is played to see.
 
     Parameters
     ----------
@@ -85,19 +85,19 @@ def page_score(session: Session, progress: Progress | None = None) -> Score:
     _check_object(surface)
     score = session.score if session.score is not None else _of_recordings(session)
     played = _as_played(score, surface)
-    again = _painted(played, surface.source, progress)
+    again = _play(played, surface.source, progress)
     if again.n_vertices != surface.n_vertices or not np.array_equal(again.srgb, surface.srgb):
-        raise InputError("what was recorded of it gives another painting")
+        raise InputError("its recording gives another painting")
     return played
 
 
 def bare_score(surface: PaintedSurface, brush: str, ink: str) -> Score:
-    """The score of a bare surface, on which nothing was done yet.
+    """Return the score of a bare surface, without events.
 
     Raises
     ------
     InputError, UnknownNameError
-        If it is painted, or a page cannot paint on it by this brush in this ink.
+        If it is painted, or a page cannot paint on it with this brush and ink.
     """
     if surface.painted.any():
         raise InputError(
@@ -109,12 +109,12 @@ def bare_score(surface: PaintedSurface, brush: str, ink: str) -> Score:
 
 
 def _check_object(surface: PaintedSurface) -> None:
-    """Refuse what a page cannot paint on.
+    """Refuse objects that a page cannot paint on.
 
     Raises
     ------
     InputError
-        Why not.
+        With the reason.
     """
     n = len(surface.source.faces)
     if n > MOST_TRIANGLES:
@@ -124,13 +124,13 @@ def _check_object(surface: PaintedSurface) -> None:
             most=MOST_TRIANGLES,
         )
     if surface.original is not None:
-        raise InputError("its object was meshed anew since it was painted first")
+        raise InputError("its object was remeshed after it was first painted")
     if surface.resolution is None:
-        raise InputError("its object is painted as it is, without a resolution")
+        raise InputError("its object is painted without a resolution; expected one")
 
 
-def _painted(score: Score, mesh: TriangleMesh, progress: Progress | None) -> PaintedSurface:
-    """What a page's score paints, where the page has memory for what it takes back."""
+def _play(score: Score, mesh: TriangleMesh, progress: Progress | None) -> PaintedSurface:
+    """Play a page's score; InputError if it undoes more than a page has memory for."""
     document, steps = begun(score, mesh), _Steps()
     size = _bytes_of(document.surface)
     for step in play(document, score):
@@ -145,31 +145,30 @@ def _painted(score: Score, mesh: TriangleMesh, progress: Progress | None) -> Pai
 
 
 class _Steps:
-    """The steps that a page could take back, by their bytes (web/src/page/document.ts)."""
+    """Undo steps that a page would keep, by their bytes (web/src/page/document.ts)."""
 
     def __init__(self) -> None:
         self._done: list[int] = []
         self._undone: list[int] = []
 
     def follow(self, command: str, size: int = 0) -> None:
-        """Follow a command before which the painting is of this size, bytes.
+        """Follow a command before which the painting has this size, bytes.
 
         Raises
         ------
         InputError
-            If it takes back, or does again, what a page does not keep.
+            If it undoes or redoes a step that a page does not keep.
         """
         if command in ("undo", "redo"):
-            ways = [self._done, self._undone]
-            here, there = ways if command == "undo" else reversed(ways)
-            if not here:
+            stacks = [self._done, self._undone]
+            source, target = stacks if command == "undo" else reversed(stacks)
+            if not source:
                 raise InputError(
-                    "it takes back more than the {most} steps, {mib} MiB together, that a page "
-                    "keeps",
+                    "it undoes more than the {most} steps, {mib} MiB together, that a page keeps",
                     most=MOST_STEPS,
                     mib=MOST_BYTES >> 20,
                 )
-            there.append(here.pop())
+            target.append(source.pop())
         elif command not in _NO_STEPS:
             self._undone = []
             self._done.append(size)
@@ -180,7 +179,7 @@ class _Steps:
 
 
 def _bytes_of(surface: PaintedSurface) -> int:
-    """Bytes that a page keeps of a painting for a step, at most (`PaintedSurface.keep` there)."""
+    """Bound the bytes that a page stores of a painting for a step (`PaintedSurface.keep` there)."""
     n_pigments, dried = len(surface.pigments), surface.dry_layers.count
     size = 4 * surface.n_vertices * (n_pigments + 1)
     size += dried * (4 * n_pigments + 8 + _N_SPECTRA * 2 * N_BANDS)
@@ -192,12 +191,12 @@ def _bytes_of(surface: PaintedSurface) -> int:
 
 
 def _of_recordings(session: Session) -> Score:
-    """A score of a painting that was painted whole, each recording a stroke, and gone on with.
+    """Make the score of a painting by recordings, each a stroke, and of what followed.
 
     Raises
     ------
     InputError
-        If the session does not say what it was painted with, or what was done to it since.
+        If the session does not record what it was painted with, or what was done to it since.
     """
     surface, later = session.surface, session.later
     settings = session.settings if later is None else later.header
@@ -229,50 +228,47 @@ def _of_recordings(session: Session) -> Score:
 
 
 def _as_played(score: Score, surface: PaintedSurface) -> Score:
-    """The same in the words that a page heeds.
+    """Convert a score to the commands and arguments that a page plays.
 
     Raises
     ------
     InputError
         If it has others.
     """
-    said = score.header
-    if said.get("pigments"):
+    given = score.header
+    if given.get("pigments"):
         raise InputError("it has inks of somebody's own")
-    brush, ink = said.get("brush", DEFAULT_BRUSH), _parts(said.get("ink", PURE_INKS[0]))
-    on = make_header(surface, load_brush(DEFAULT_BRUSH), {}, InkTable({}))
-    if not _is_named(brush, brush_names()) or {"length_mm", "hairs"} & set(said):
+    brush, ink = given.get("brush", DEFAULT_BRUSH), _parts(given.get("ink", PURE_INKS[0]))
+    own = make_header(surface, load_brush(DEFAULT_BRUSH), {}, InkTable({}))
+    if brush not in brush_names() or {"length_mm", "hairs"} & set(given):
         raise InputError("its brush is none of the presets")
-    if not isinstance(on["material"], str):
+    if not isinstance(own["material"], str):
         raise InputError("its material is one of somebody's own")
-    header = {name: on[name] for name in ("object", "mesh", "resolution_mm", "material")}
-    header |= {"brush": brush, "ink": ink, "azimuth": said.get("azimuth", "commanded")}
-    if said.get("pickup"):
-        header["pickup"] = said["pickup"]
+    header = {name: own[name] for name in ("object", "mesh", "resolution_mm", "material")}
+    header |= {"brush": brush, "ink": ink, "azimuth": given.get("azimuth", "commanded")}
+    if given.get("pickup"):
+        header["pickup"] = given["pickup"]
     units = {"position": "mm", "time": "ns", "force": "N"}
     events = tuple(_events(score.events, header))
     return Score({**_HEAD, **header, "space": "world", "units": units}, events)
 
 
-def _is_named(value: object, names: Sequence[str]) -> bool:
-    return isinstance(value, str) and value in names
-
-
 def _parts(ink: str | Mapping[str, float]) -> dict[str, float]:
-    """The parts of an ink by the names of its pigments."""
-    stirred = load_ink(ink if isinstance(ink, str) else _mixed(ink), own_tables=False)
-    check_grains(stirred)
-    return {pigment.name: part for pigment, part in stirred.items()}
+    """Resolve an ink to its parts by the names of its pigments."""
+    parts = load_ink(ink if isinstance(ink, str) else _ink_text(ink), own_tables=False)
+    check_grains(parts)
+    return {pigment.name: part for pigment, part in parts.items()}
 
 
-def _mixed(parts: Mapping[str, float]) -> str:
-    """How `load_ink` is told of parts."""
+def _ink_text(parts: Mapping[str, float]) -> str:
+    """Format parts as `load_ink` takes them."""
     return ",".join(f"{name}:{part!r}" for name, part in parts.items())
 
 
 def _events(events: Sequence[Event], header: Mapping[str, Any]) -> Iterator[Event]:
+    """Yield the events in a page's words; InputError for one that a page does not play."""
     ink: Mapping[str, float] = header["ink"]
-    hand = {"set_azimuth": {"azimuth": header["azimuth"]},
+    unchanged = {"set_azimuth": {"azimuth": header["azimuth"]},
             "set_pickup": {"pickup": header.get("pickup", 0.0)}}  # fmt: skip
     steps = _Steps()
     for event in events:
@@ -284,31 +280,31 @@ def _events(events: Sequence[Event], header: Mapping[str, Any]) -> Iterator[Even
         name = str(event["do"])
         if event.get("refused") or name == "set_tags":
             continue
-        line = {key: value for key, value in event.items() if key not in _UNHEARD}
+        line = {key: value for key, value in event.items() if key not in _IGNORED}
         if name == "add_layer" and isinstance(line.get("place"), int) and "name" in line:
-            place, called = line.pop("place"), line.pop("name")
+            place, layer = line.pop("place"), line.pop("name")
             steps.follow(name)
             yield line
-            line = {"do": "rename_layer", "place": place, "name": called}
+            line = {"do": "rename_layer", "place": place, "name": layer}
             name = "rename_layer"
         if name == "set_symmetry" and set(line) == {"do"}:
-            continue  # none
-        if name in hand and line == {"do": name, **hand[name]}:
-            continue  # as it is
+            continue  # no symmetry
+        if name in unchanged and line == {"do": name, **unchanged[name]}:
+            continue
         others = sorted(set(line) - {"do", *_PLAYED.get(name, ())})
         if name not in _PLAYED or others:
             what = name if name not in _PLAYED else f"{name} with {others[0]}"
             raise InputError("its recording has {what}, which a page does not play", what=what)
-        if name == "follow_time" and line["seconds"] != PIECE_S:
+        if name == "follow_time" and line["seconds"] != INK_STEP_S:
             raise InputError(
                 "its ink flows in steps of {seconds:g} s; in a page these are {expected:g} s",
                 seconds=line["seconds"],
-                expected=PIECE_S,
+                expected=INK_STEP_S,
             )
-        if name == "set_brush" and not _is_named(line["brush"], brush_names()):
+        if name == "set_brush" and line["brush"] not in brush_names():
             raise InputError("one of its brushes is none of the presets")
         if name == "lay_text" and line["text"].get("font"):
-            raise InputError("a text on it is in a font, which a page does not have")
+            raise InputError("a text on it is in a font; expected characters of the page")
         if name in ("dip", "press_seal"):
             line["ink"] = _parts(line.get("ink", ink if name == "dip" else PASTE))
             ink = line["ink"] if name == "dip" else ink
@@ -326,20 +322,20 @@ def write_single_file(
     page: Path = BUILT,
     kernels: Path = KERNELS,
 ) -> None:
-    """Write a painting, and the studio that goes on with it, as one HTML file.
+    """Write a painting, and the studio to continue it, as one HTML file.
 
-    It asks for nothing, of no host; its content policy forbids it.
+    The file loads nothing from any host; its content policy forbids it.
 
     Parameters
     ----------
     session : Session
     score : Score
-        As `page_score` gives it.
+        From `page_score`.
     path : Path
     progress : callable, optional
         Called with the fraction done; what it raises leaves everything as it was.
     title : str
-        What the page is called; by default as the file.
+        Of the page; by default the file's name.
     page, kernels : Path
         As for `build_page`.
 
@@ -348,12 +344,12 @@ def write_single_file(
     ExportError
         If the page or its kernels are not built, or the file cannot be written.
     """
-    called = title or path.name.removesuffix(path.suffix)
-    whole = page_text(
-        session.surface, score, called, part_of(progress, 0.0, 0.9), page=page, kernels=kernels
-    )
+    text = page_text(
+        session.surface, score, title or path.stem, part_of(progress, 0.0, 0.9), page=page,
+        kernels=kernels,
+    )  # fmt: skip
     with write_atomically(path, progress) as temporary:
-        temporary.write_text(whole, encoding="utf-8", newline="\n")
+        temporary.write_text(text, encoding="utf-8", newline="\n")
 
 
 def page_text(
@@ -368,16 +364,16 @@ def page_text(
     page: Path = BUILT,
     kernels: Path = KERNELS,
 ) -> str:
-    """A painting, and the studio that goes on with it, as one HTML text.
+    """Make the HTML of a painting and the studio to continue it.
 
     Parameters
     ----------
     surface, score, title, progress, page, kernels
         As for `write_single_file`.
     brushes, inks : sequence of str
-        To paint on with, beside those that the score has.
+        To continue with, besides those in the score.
     is_hosted : bool
-        What shows it in a frame keeps what is painted, rather than the browser.
+        Whether the program that shows it in a frame stores the painting, not the browser.
 
     Raises
     ------
@@ -407,36 +403,37 @@ def page_text(
         if is_hosted:
             contents["hosted"] = True
         for ink in contents["inks"]:
-            if ":" in ink["name"]:  # a mixture that has no name of its own
-                pigments = [load_pigment(name) for name in ink["parts"]]
-                shares = [f"{100.0 * part:.3g} %" for part in ink["parts"].values()]
-                both = list(zip(pigments, shares, strict=True))
-                ink["name"] = ", ".join(f"{one.name} {share}" for one, share in both)
-                ink["chinese"] = "、".join(f"{one.chinese} {share}" for one, share in both)
+            if ":" in ink["name"]:  # a mixture without a name of its own
+                parts = [
+                    (load_pigment(name), f"{100.0 * part:.3g} %")
+                    for name, part in ink["parts"].items()
+                ]
+                ink["name"] = ", ".join(f"{one.name} {percent}" for one, percent in parts)
+                ink["chinese"] = "、".join(f"{one.chinese} {percent}" for one, percent in parts)
         (built / "contents.json").write_text(json.dumps(contents, ensure_ascii=False), "utf-8")
-        return _joined(built, title)
+        return _join_files(built, title)
 
 
 def _named_inks(used: Sequence[Mapping[str, float]]) -> list[str]:
-    """Names of the inks that were used, and the page's usual ones of the same pigments."""
+    """List the names of the inks used, and of the page's usual ones of the same pigments."""
     usual = {name: _parts(name) for name in INKS}
     names = []
     for parts in used:
-        called = [name for name, of in usual.items() if list(of.items()) == list(parts.items())]
-        names += called[:1] or [_mixed(parts)]
-    known = {pigment for parts in used for pigment in parts}
+        same = [name for name, of in usual.items() if list(of.items()) == list(parts.items())]
+        names += same[:1] or [_ink_text(parts)]
+    pigments = {pigment for parts in used for pigment in parts}
     return list(
-        dict.fromkeys([*names, *(n for n, of in usual.items() if set(of) <= known | {"water"})])
+        dict.fromkeys([*names, *(n for n, of in usual.items() if set(of) <= pigments | {"water"})])
     )
 
 
-def _joined(built: Path, title: str) -> str:
-    """A built page with all that it loads in one text.
+def _join_files(built: Path, title: str) -> str:
+    """Join a built page and all that it loads into one HTML text.
 
     Raises
     ------
     ExportError
-        If it is no such page as web/ makes.
+        If the page is not as web/ builds it.
     """
     page = (built / "index.html").read_text("utf-8")
     scripts, styles = ([*(built / "assets").glob(f"index-*.{kind}")] for kind in ("js", "css"))
@@ -444,7 +441,7 @@ def _joined(built: Path, title: str) -> str:
         raise _not_one_file("index-*.js, index-*.css")
     script, style = scripts[0], styles[0]
     code = re.sub(r"</(?=script)", r"<\\/", script.read_text("utf-8"), flags=re.IGNORECASE)
-    if "<!--" in code:  # which HTML would take for the beginning of a comment
+    if "<!--" in code:  # HTML would begin a comment there
         raise _not_one_file("<!--")
     look = style.read_text("utf-8")
     blocks = []

@@ -1,7 +1,7 @@
-"""What a page paints with, as words and arrays: constants, colours, brushes, materials, objects.
+"""Tables that a page paints with: constants, colours, brushes, materials, objects.
 
-The page computes nothing that a table says: sines and powers differ in last bits between NumPy and
-a browser, and the same recording is to give the same bytes in both.
+The page computes nothing that can be tabulated: sines and powers differ in the last bits between
+NumPy and a browser, and the same recording must give the same bytes in both.
 """
 
 from __future__ import annotations
@@ -51,9 +51,9 @@ from paint3d.view.studio import Gloss
 __all__ = ["Table", "brush_table", "common_table", "material_table", "object_table"]
 
 Table = tuple[dict[str, Any], dict[str, AnyArray]]
-"""Words and arrays of one file."""
+"""Words and arrays of one file: see `page.bundle`."""
 
-_RAYS = 96  # that the openness of a vertex is found by
+_RAYS = 96  # cast from each vertex for its openness
 _GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))
 _LIFTED_MM = 0.05
 _SMOOTHINGS = 12
@@ -64,7 +64,7 @@ _NODES = {"node_vertices", "node_root", "child", "longest", "node_area"}
 
 
 def common_table(pigments: Sequence[Pigment]) -> Table:
-    """What all paintings share: sizes of scratch, noise, colours, and pigments."""
+    """Make the table of all paintings: sizes of scratch, noise, colours, and pigments."""
     bands, weights = live_bands()
     palette = load_palette()
     words = {
@@ -105,7 +105,7 @@ def common_table(pigments: Sequence[Pigment]) -> Table:
 
 
 def _sizes() -> dict[str, Any]:
-    """Sizes of the kernels' scratch, as `brush_engine.scratch` makes it."""
+    """Measure the kernels' scratch, as `brush_engine.scratch` makes it."""
     corners = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], np.float32)
     smallest = TriangleMesh(corners, np.array([[0, 1, 2]], np.int32))
     scratch = make_scratch(PaintMesh.build(smallest, None), 1)
@@ -124,15 +124,15 @@ def _sizes() -> dict[str, Any]:
 
 
 def brush_table(name: str, chinese: str) -> Table:
-    """A brush: its tuft's tables and numbers, and its curves; see `page.shape_guess`."""
+    """Make the table of a brush: tuft, input curves and hairs; see `page.shape_guess`."""
     brush = load_brush(name)
     tuft, curves = build_tuft(brush)._asdict(), build_curves(brush.inputs)._asdict()
-    apart = differences(tuft, brush.length_mm)
-    arrays = {f"apart.{key}": value for key, value in apart.items()}
+    guessed = differences(tuft, brush.length_mm)
+    arrays = {f"apart.{key}": value for key, value in guessed.items()}
     arrays |= {
         f"tuft.{key}": value
         for key, value in tuft.items()
-        if isinstance(value, np.ndarray) and key not in apart
+        if isinstance(value, np.ndarray) and key not in guessed
     }
     words: dict[str, Any] = {
         "name": name,
@@ -150,7 +150,7 @@ def brush_table(name: str, chinese: str) -> Table:
 
 
 def _hairs_table(tuft: HairTuft) -> Table:
-    """The hairs of a tuft, and what kernels work in, as `make_hairs` makes it."""
+    """Make the table of a tuft's hairs and of the arrays that kernels work in (`make_hairs`)."""
     one, two = (
         _leaves(make_hairs(tuft.bristles, np.zeros((tuft.spec.n_hairs, n)), tuft.memory))
         for n in (1, 2)
@@ -163,7 +163,7 @@ def _hairs_table(tuft: HairTuft) -> Table:
         elif value.dtype.names is None:
             if value.shape == two[name].shape:
                 arrays[f"hairs.{name}"] = value
-            elif name != "load":  # zeros, so many for each pigment
+            elif name != "load":  # zeros, whose shape depends on the number of pigments
                 pairs = zip(value.shape, two[name].shape, strict=True)
                 shape = [[2 * a - b, b - a] for a, b in pairs]
                 words["shapes"][name] = {"kind": value.dtype.str[1:], "shape": shape}
@@ -171,18 +171,18 @@ def _hairs_table(tuft: HairTuft) -> Table:
 
 
 def _leaves(row: Any, before: str = "") -> dict[str, Any]:
-    """What is in a named tuple of named tuples, by dotted names."""
-    found: dict[str, Any] = {}
+    """Flatten a named tuple of named tuples, by dotted names."""
+    leaves: dict[str, Any] = {}
     for name, value in row._asdict().items():
         if hasattr(value, "_asdict"):
-            found |= _leaves(value, f"{before}{name}.")
+            leaves |= _leaves(value, f"{before}{name}.")
         else:
-            found[before + name] = value
-    return found
+            leaves[before + name] = value
+    return leaves
 
 
 def material_table(material: Material, pigments: Sequence[Pigment]) -> Table:
-    """A material, and tables of each pigment alone on it."""
+    """Make the table of a material, with the colours of each pigment alone on it."""
     words: dict[str, Any] = {
         "name": material.name,
         "chinese": material.chinese,
@@ -219,7 +219,7 @@ def material_table(material: Material, pigments: Sequence[Pigment]) -> Table:
 
 
 def object_table(mesh: TriangleMesh, resolution: float) -> Table:
-    """An object to be painted on, as a surface of it is before there is paint."""
+    """Make the table of an object: its surface before there is paint."""
     paint_mesh = PaintMesh.build(mesh, resolution)
     field, n = paint_mesh.arrays, paint_mesh.n_base_vertices
     sheet, apex = sheet_of(mesh), writing_areas(mesh)[0].apex
@@ -256,24 +256,24 @@ def object_table(mesh: TriangleMesh, resolution: float) -> Table:
 def _openness(
     surface: ClosestPoints, points: AnyArray, normals: AnyArray, faces: AnyArray
 ) -> NDArray[np.uint8]:
-    """How much light of an even sky each vertex gets (N,), 255 where nothing is in its way."""
+    """Compute how open each vertex is to an even sky (N,), 255 if nothing occludes it."""
     k = np.arange(_RAYS)
-    share, turn = (k + 0.5) / _RAYS, _GOLDEN_ANGLE * k
-    # about the normal, denser near it, as its light counts (Malley's method)
-    across, up = np.sqrt(share), np.sqrt(1.0 - share)
+    fraction, azimuth = (k + 0.5) / _RAYS, _GOLDEN_ANGLE * k
+    # cosine-weighted directions about the normal (Malley's method)
+    across, up = np.sqrt(fraction), np.sqrt(1.0 - fraction)
     seen = np.zeros(len(points))
     normal = normals.astype(np.float64)
     aside = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
     aside /= np.linalg.norm(aside, axis=1)[:, None]
     ahead = np.cross(normal, aside)
     starts = points + _LIFTED_MM * normal
-    for a, h, u in zip(across * np.cos(turn), across * np.sin(turn), up, strict=True):
+    for a, h, u in zip(across * np.cos(azimuth), across * np.sin(azimuth), up, strict=True):
         seen += ~surface.cast(starts, a * aside + h * ahead + u * normal).hit
     return np.rint(255.0 * _smoothed(seen / _RAYS, faces)).astype(np.uint8)
 
 
 def _smoothed(values: AnyArray, faces: AnyArray) -> AnyArray:
-    """Values of vertices (N,) without the grain of the rays: means over neighbours, a few times."""
+    """Smooth values of vertices (N,), which are noisy from few rays: repeated neighbour means."""
     for _ in range(_SMOOTHINGS):
         sums, counts = values.copy(), np.ones(len(values))
         means = values[faces].mean(axis=1)
@@ -285,7 +285,7 @@ def _smoothed(values: AnyArray, faces: AnyArray) -> AnyArray:
 
 
 def _tree(tree: ContactTree, name: str) -> dict[str, AnyArray]:
-    """All of a tree but its boxes, which the page builds again."""
+    """Return a tree's arrays without its boxes, which the page rebuilds."""
     arrays = tree._asdict()
     del arrays["boxes"]
     return {f"{name}.{key}": value for key, value in arrays.items()}

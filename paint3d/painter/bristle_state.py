@@ -55,34 +55,34 @@ class HairTuft:
         self.memory[:WAY] = 0.0
         self.memory[SPLIT] = 0.0
 
-    def dip(self, held: AnyArray, full: float, reach: float = 1.0) -> None:
-        """Distribute the load `held` (P,) over the hairs after a dip.
+    def dip(self, load: AnyArray, full: float, reach: float = 1.0) -> None:
+        """Distribute the tuft's load (P,) over the hairs after a dip.
 
         The lower fraction `reach` of each hair is full, `full` being the load of a full tuft, coats
         x mm2; above, a hair keeps its own. The surface's reservoirs say which ink lies where along
         them.
         """
-        self._add_pigments(len(held))
+        self._add_pigments(len(load))
         self.memory[WAY:] = 0.0
         if reach >= 1.0:
-            self.load[:] = held / len(self.load)
+            self.load[:] = load / len(self.load)
             return
         own = (1.0 - reach) * self.load.sum(axis=1) + reach * full / len(self.load)
-        self.load[:] = own[:, None] * held / max(own.sum(), 1e-300)
+        self.load[:] = own[:, None] * load / max(own.sum(), 1e-300)
 
-    def held(self) -> AnyArray:
+    def total(self) -> AnyArray:
         """Sum the ink of all hairs (P,)."""
-        held = np.empty(self.load.shape[1])
-        sum_hairs(self.load, held)  # the kernels' order of summation, to the bit
-        return held
+        total = np.empty(self.load.shape[1])
+        sum_hairs(self.load, total)  # the kernels' order of summation, to the bit
+        return total
 
-    def hold(self, load: AnyArray) -> None:
+    def rescale(self, load: AnyArray) -> None:
         """Rescale the hairs' ink to the total `load` (P,), each keeping its fraction of it."""
         self._add_pigments(len(load))
-        held = self.held()
-        for p in np.flatnonzero(held != load):
-            if held[p] > 0.0:
-                self.load[:, p] *= load[p] / held[p]
+        total = self.total()
+        for p in np.flatnonzero(total != load):
+            if total[p] > 0.0:
+                self.load[:, p] *= load[p] / total[p]
             else:
                 self.load[:, p] = load[p] / len(self.load)
 
@@ -105,9 +105,9 @@ class HairTuft:
     def work(self, surface: PaintedSurface) -> Hairs:
         """Return the arrays for the kernels, first matching the load to the surface's."""
         ink = surface.ink
-        if self.load.shape[1] != len(ink.load) or (self.held() != ink.load).any():
-            self.hold(ink.load)
-            ink.load[:] = self.held()
+        if self.load.shape[1] != len(ink.load) or (self.total() != ink.load).any():
+            self.rescale(ink.load)
+            ink.load[:] = self.total()
         work = self._work
         if work is None or work.load is not self.load:
             new = make_hairs(self.bristles, self.load, self.memory)

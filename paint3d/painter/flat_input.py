@@ -20,11 +20,11 @@ from paint3d.mesh.placement import upwards
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.pose.brush_pose import brush_poses
 
-__all__ = ["LaidPad", "dipped", "lay", "lay_at", "lift_off", "size_of"]
+__all__ = ["LaidPad", "add_dips", "lay", "lay_at", "lift_off", "pad_extent"]
 
 _MARGIN_MM = 1.0  # around what is laid
-_ROOM = 1.4  # times the strokes' reach: half the side of the sheet
-_MOST_OFF_MM = 0.5  # of a foot from the sheet's surface
+_REACH = 1.4  # half the side of the sheet, over the strokes' reach
+_MOST_OFF_MM = 0.5  # distance of a foot from the sheet's surface
 
 
 def lay(recording: Recording, chart: SurfaceChart) -> Recording:
@@ -95,17 +95,17 @@ class LaidPad:
 
     @property
     def time_ns(self) -> NDArray[np.int64]:
-        """(N,) int64, as on the pad."""
+        """Times (N,) int64 of the pad's samples."""
         return self.pad.time_ns
 
     @property
     def pressure(self) -> NDArray[np.float64] | None:
-        """(N,) float64 in [0, 1], as on the pad."""
+        """Pressures (N,) float64 in [0, 1] of the pad's samples, or None."""
         return self.pad.pressure
 
     @property
     def header(self) -> dict[str, Any]:
-        """The pad's, with the space "world"."""
+        """The pad's header, with the space "world"."""
         return {**self.pad.header, "space": "world"}
 
     def part(self, first: int, last: int) -> Recording:
@@ -132,7 +132,7 @@ def lay_at(
     place: tuple[float, float] = (0.5, 0.5),
     width_mm: float | None = None,
 ) -> LaidPad:
-    """Lay a pad's recording on an object; one that knows no dips gets one before every stroke.
+    """Lay a pad's recording on an object; one without dips gets one before every stroke.
 
     Parameters
     ----------
@@ -142,23 +142,23 @@ def lay_at(
     place : (float, float)
         Where its middle goes, U,V as ``--at`` of the command line has them.
     width_mm : float, optional
-        By default as wide as it was drawn.
+        On the object; by default as drawn.
 
     Raises
     ------
     RecordingError
         If the recording is not a pad's, or has no width to scale.
     InputError
-        If it does not fit there, or there is no surface at the place.
+        If it does not fit there, or there is no surface.
     """
-    middle, half, scale = size_of(recording, width_mm)
+    middle, half, scale = pad_extent(recording, width_mm)
     surface = ClosestPoints(mesh)
     half_width, half_height = half + _MARGIN_MM
     chart = make_chart(surface, find_place(surface, place), half_width, half_height)
-    return LaidPad(dipped(recording), chart, middle, scale)
+    return LaidPad(add_dips(recording), chart, middle, scale)
 
 
-def size_of(
+def pad_extent(
     recording: Recording, width_mm: float | None = None
 ) -> tuple[AnyArray, AnyArray, float]:
     """Return a pad recording's middle, its half extent on the surface, and the scale.
@@ -196,7 +196,7 @@ def size_of(
 def lift_off(recording: Recording, surface: ClosestPoints) -> Recording:
     """Turn a recording on an object into a pad's, to be laid on another: the inverse of `lay`.
 
-    The chart is around the middle of all places where the brush presses.
+    The chart's origin is the middle of all points where the brush presses.
 
     Parameters
     ----------
@@ -214,10 +214,10 @@ def lift_off(recording: Recording, surface: ClosestPoints) -> Recording:
     pressed = np.ones(len(recording), np.bool_)
     if recording.pressure is not None and recording.pressure.any():
         pressed = recording.pressure > 0.0
-    feet = surface.find(path.way).points
+    feet = surface.find(path.points).points
     middle = feet[pressed].mean(axis=0)
     frame = frame_at(surface, middle, upwards(surface.find(middle[None]).normals[0]))
-    half = _ROOM * float(np.linalg.norm(feet[pressed] - frame.origin, axis=1).max()) + 1.0
+    half = _REACH * float(np.linalg.norm(feet[pressed] - frame.origin, axis=1).max()) + 1.0
     try:
         chart = make_chart(surface, frame, half, half)
         xy = chart.coordinates(feet, most_off=_MOST_OFF_MM)
@@ -242,7 +242,7 @@ def lift_off(recording: Recording, surface: ClosestPoints) -> Recording:
     )
 
 
-def dipped(recording: Recording) -> Recording:
+def add_dips(recording: Recording) -> Recording:
     """Add a dip before every stroke to a recording that has none.
 
     A pad's pen never runs dry: without dips, such a drawing would fade out under a brush.

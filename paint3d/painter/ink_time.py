@@ -1,4 +1,4 @@
-"""Fixed time steps for ink that spreads while the hand paints.
+"""Fixed time steps of ink that spreads while the hand paints.
 
 A step ends at every multiple of its length on the samples' clock, and is taken before the first
 sample of that time or later. A stroke that ended before it is painted first, to its end; of one
@@ -16,18 +16,18 @@ from numpy.typing import NDArray
 from paint3d.device.sample import DeviceSample
 from paint3d.pose.brush_pose import joined_samples, object_poses
 
-__all__ = ["LOOKAHEAD", "PIECE_NS", "PIECE_S", "Pauses", "is_lifted", "pieces_until"]
+__all__ = ["INK_STEP_NS", "INK_STEP_S", "LOOKAHEAD", "Pauses", "ink_steps_until", "is_lifted"]
 
-PIECE_S = 0.05
+INK_STEP_S = 0.05
 """Length of a time step, s."""
-PIECE_NS = 50_000_000
+INK_STEP_NS = 50_000_000
 LOOKAHEAD = 2
 """Samples that must be known beyond an interval before it is painted."""
 
 
-def pieces_until(time_ns: int) -> int:
+def ink_steps_until(time_ns: int) -> int:
     """Count the time steps that have ended at a time, from the clock's zero."""
-    return time_ns // PIECE_NS
+    return time_ns // INK_STEP_NS
 
 
 def is_lifted(samples: Sequence[DeviceSample]) -> bool:
@@ -53,12 +53,12 @@ class Pauses:
     """
 
     def __init__(self, time_ns: NDArray[np.int64], joined: NDArray[np.bool_], first: int) -> None:
-        due = np.diff(time_ns // PIECE_NS)
+        due = np.diff(time_ns // INK_STEP_NS)
         self._before = np.flatnonzero(due) + 1
         self._before = self._before[self._before > first]
         came_down = np.maximum.accumulate(np.where(joined, 0, np.arange(len(joined))))
         self._stops = np.maximum(self._before - LOOKAHEAD, came_down[self._before]) - 1
-        self._pieces = due[self._before - 1]
+        self._steps = due[self._before - 1]
         self._next = 0
         self.passed = first
 
@@ -67,4 +67,4 @@ class Pauses:
         last = int(np.searchsorted(self._stops, stop, side="right"))
         for k in range(self._next, last):
             self._next, self.passed = k + 1, int(self._before[k])
-            yield int(self._stops[k]), int(self._pieces[k])
+            yield int(self._stops[k]), int(self._steps[k])

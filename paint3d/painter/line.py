@@ -1,4 +1,4 @@
-"""A line on a surface as a recording: what a hand would have done."""
+"""Recording of a line along a surface, as a hand would draw it."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ __all__ = ["record_line"]
 
 _RATE_HZ = 250.0
 _STEP_MM = 0.5  # between two samples, at most
-_FINE_STEPS = 16  # between two places given as U,V
+_FINE_STEPS = 16  # between two points given as U,V
 _MOST_SAMPLES = 10_000_000
 _MOST_TILT_DEG = 60.0
 
@@ -42,18 +42,18 @@ def record_line(
     ----------
     surface : ClosestPoints
     points : (N, 3) or (N, 2) array_like
-        mm, carried to the surface's closest points, or places U,V as `place` takes them. Two
-        points at least, joined by straight lines that lie down on the surface.
+        mm, moved to the closest points of the surface, or U,V as `place` takes them. Two points at
+        least, joined by straight lines that lie on the surface.
     pressure, tilt : float or (M,) array_like
         Pressure, 0 to 1, and the handle's lean, degrees off the surface's normal in the direction
-        of the line (below 0: against it), up to 60; several spread evenly along the line, with
-        smooth ways between them.
+        of the line (below 0: against it), up to 60; several are spread evenly along the line and
+        joined smoothly.
     length_mm : float
         Of the tuft: how far its root is from the surface.
     speed : float
         mm/s.
     side : str, optional
-        Of places U,V; see `place`.
+        Of U,V; see `place`.
     header : mapping, optional
         More entries for the recording's header.
 
@@ -62,7 +62,7 @@ def record_line(
     InputError
         If there are fewer than two points apart from each other, or a number is out of range.
     MeshError
-        If there is no surface at a place U,V.
+        If there is no surface at U,V.
     """
     corners = _corners(surface, points, side)
     speed = as_number(speed, "speed (mm/s)", 1e-3, 1e5)
@@ -83,12 +83,12 @@ def record_line(
         )
     n = max(n, 4)
     along = np.linspace(0.0, reach[-1], n)
-    found = surface.find(interpolate(along, reach, corners))
-    feet, normals = found.points, found.normals
+    nearest = surface.find(interpolate(along, reach, corners))
+    feet, normals = nearest.points, nearest.normals
     lean = np.radians(_spread(tilt, "tilt (degrees)", n, -_MOST_TILT_DEG, _MOST_TILT_DEG))
-    way = _directions(feet, normals)
-    up = np.cos(lean)[:, None] * normals + np.sin(lean)[:, None] * way
-    bend = -way + dots_of(way, up)[:, None] * up  # the tip trails behind
+    ahead = _directions(feet, normals)
+    up = np.cos(lean)[:, None] * normals + np.sin(lean)[:, None] * ahead
+    bend = -ahead + dots_of(ahead, up)[:, None] * up  # the tip trails behind
     bend /= np.linalg.norm(bend, axis=1)[:, None]
     frames = np.stack([bend, np.cross(up, bend), up], axis=-1)
     return Recording(
@@ -102,7 +102,7 @@ def record_line(
 
 
 def _corners(surface: ClosestPoints, points: ArrayLike, side: str | None) -> AnyArray:
-    """The line's corners (N, 3), mm."""
+    """Compute the line's corners (N, 3), mm."""
     try:
         given = np.asarray(points, np.float64)
     except (TypeError, ValueError):
@@ -114,9 +114,9 @@ def _corners(surface: ClosestPoints, points: ArrayLike, side: str | None) -> Any
             "points have shape {given_shape}; expected (N, 3) in mm or (N, 2) of U,V",
             given_shape=given.shape,
         )
-    places = as_array(given, "points", (None, 2))
-    at = np.linspace(0, len(places) - 1, max(1, (len(places) - 1) * _FINE_STEPS + 1))
-    fine = interpolate(at, np.arange(len(places)), places)
+    uv = as_array(given, "points", (None, 2))
+    at = np.linspace(0, len(uv) - 1, max(1, (len(uv) - 1) * _FINE_STEPS + 1))
+    fine = interpolate(at, np.arange(len(uv)), uv)
     return np.array([place(surface, one, side).origin for one in fine])
 
 
@@ -138,22 +138,22 @@ def _spread(values: ArrayLike, what: str, n: int, least: float, most: float) -> 
         return np.full(n, given[0])
     from scipy.interpolate import PchipInterpolator  # takes .2 s to import
 
-    # as a hand goes from one to the next: without a kink, and never beyond either
+    # monotone, without a kink: a value never leaves the range of its two neighbours
     smooth = PchipInterpolator(np.linspace(0.0, 1.0, len(given)), given)
     return np.asarray(smooth(np.linspace(0.0, 1.0, n)), np.float64).clip(least, most)
 
 
 def _directions(feet: AnyArray, normals: AnyArray) -> AnyArray:
-    """Unit directions (N, 3) of a way along a surface, in its tangent planes."""
-    way = np.gradient(feet, axis=0)
-    way -= dots_of(way, normals)[:, None] * normals
-    lengths = np.linalg.norm(way, axis=1)
+    """Compute unit directions (N, 3) of a path along a surface, in its tangent planes."""
+    steps = np.gradient(feet, axis=0)
+    steps -= dots_of(steps, normals)[:, None] * normals
+    lengths = np.linalg.norm(steps, axis=1)
     still = lengths < 1e-9
     if still.all():
         return np.array([np.cross(upwards(normal), normal) for normal in normals])
-    index = np.arange(len(way))
-    for axis in way.T:  # where the way stands still it goes on as before
+    index = np.arange(len(steps))
+    for axis in steps.T:  # where the path stands still it keeps its direction
         axis[still] = np.interp(index[still], index[~still], axis[~still])
-    way -= dots_of(way, normals)[:, None] * normals
-    unit: AnyArray = way / np.linalg.norm(way, axis=1)[:, None]
+    steps -= dots_of(steps, normals)[:, None] * normals
+    unit: AnyArray = steps / np.linalg.norm(steps, axis=1)[:, None]
     return unit

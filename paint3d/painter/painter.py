@@ -45,9 +45,9 @@ from paint3d.core.arrays import AnyArray, as_number
 from paint3d.device.sample import DIP, DeviceSample
 from paint3d.errors import InputError, Message, RecordingError
 from paint3d.painter.flat_input import LaidPad
-from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, Pauses, pieces_until
-from paint3d.painter.pose_check import Doubts, doubts_of, log_doubts, rooted
-from paint3d.painter.recorded_tools import LEAST_INK, eraser_runs, told_at
+from paint3d.painter.ink_time import INK_STEP_S, LOOKAHEAD, Pauses, ink_steps_until
+from paint3d.painter.pose_check import fit_to_tuft, inspect_poses, log_warnings
+from paint3d.painter.recorded_tools import LEAST_INK, changes_at, eraser_runs
 from paint3d.painter.stroke_table import BrushState, StrokeTable
 from paint3d.pose.brush_pose import BrushPath, brush_poses, object_poses
 from paint3d.recording.recording import Recording
@@ -62,7 +62,7 @@ __all__ = ["Painter"]
 
 _PART = 1 << 16  # samples of a recording that are prepared at once
 _CHUNK = 2000  # samples between two calls of `progress`
-_FOR_EVER_S = 1e9  # longer than any ink stays wet
+_LONGEST_REST_S = 1e9  # longer than any ink stays wet
 _RESERVOIRS = 12  # segments of a tuft whose load varies along its length
 
 Ink = str | Pigment | Mapping[Any, float]
@@ -147,13 +147,13 @@ class Painter:
         self._n_samples = 0
         self._dip_down = False
         self._eraser: Eraser | None = None  # while a recording's eraser end is down
-        self._waiting: tuple[dict[str, object], BrushLoad] | None = None  # the brush meanwhile
+        self._set_aside: tuple[dict[str, object], BrushLoad] | None = None  # the brush meanwhile
         self._dipped: Ink = {}
         self._dips: tuple[tuple[Ink, float | None], ...] = ()
         if pickup is not None:
             surface.ink.transfer["pickup"] = as_number(pickup, "pickup (1/mm)", 0.0)
         if ink is None:
-            self._take_up()
+            self._adopt_load()
         else:
             self.dip(ink)
 
@@ -186,7 +186,7 @@ class Painter:
             given for the tip alone.
         """
         if amount is not None and reach is not None:
-            raise InputError("an amount is said with a reach; expected it for a whole dip")
+            raise InputError("an amount is given with a reach; expected it for a whole dip alone")
         if ink is None and reach is None and len(self._dips) > 1:
             self._take_amount(amount)
             for again in self._dips:
@@ -197,7 +197,7 @@ class Painter:
         depth = 1.0 if reach is None else as_number(reach, "reach", 0.0, 1.0)
         self._take_amount(amount)
         if self.hairs is not None:
-            self.hairs.hold(self.surface.ink.load)
+            self.hairs.rescale(self.surface.ink.load)
         if reach is None:
             self._hold(parts * self.tuft.load)
         else:
@@ -209,7 +209,7 @@ class Painter:
             self._hold_along(np.where(is_dipped[:, None], full, along))
         if self.hairs is not None:
             self.hairs.dip(self.surface.ink.load, self.tuft.load, depth)
-            self.surface.ink.load[:] = self.hairs.held()
+            self.surface.ink.load[:] = self.hairs.total()
             if reach is None:
                 self.hairs.shape()
         # A dip hides earlier ones of the same reach or less:
@@ -219,13 +219,13 @@ class Painter:
         self.ink = self.surface.main_pigment(parts)
         self._fit_scratch()
 
-    def _take_up(self) -> None:
+    def _adopt_load(self) -> None:
         """Start with the load stored with the surface; with none, the brush is dry."""
         surface = self.surface
         if not surface.pigments:
-            raise InputError("ink is None and this surface has never seen any; expected an ink")
-        held = surface.ink.load
-        parts = held / held.sum() if held.any() else np.eye(len(held))[-1]
+            raise InputError("ink is None, and this surface has never had any; expected an ink")
+        load = surface.ink.load
+        parts = load / load.sum() if load.any() else np.eye(len(load))[-1]
         self._dipped = {p: w for p, w in zip(surface.pigments, parts, strict=True) if w > 1e-9}
         self.ink = surface.main_pigment(parts)
         self._fit_scratch()
@@ -236,49 +236,41 @@ class Painter:
         """Empty the brush: wash it out and shake it dry."""
         self._hold(np.zeros(len(self.surface.pigments)))
 
-    def wipe(self, share: float = 0.5) -> None:
+    def wipe(self, fraction: float = 0.5) -> None:
         """Wipe off a fraction of the load, 0 to 1; the mixture stays the same.
 
         Raises
         ------
         InputError
-            If the share is not between 0 and 1.
+            If the fraction is not between 0 and 1.
         """
-        share = as_number(share, "share", 0.0, 1.0)
-        ink = self.surface.ink
-        if len(ink.reservoirs) > 1:
-            self._hold_along(ink.reservoirs * (1.0 - share))
-        else:
-            self._hold(ink.load * (1.0 - share))
-        if self.hairs is not None:
-            self.hairs.hold(self.surface.ink.load)
-            self.surface.ink.load[:] = self.hairs.held()
+        self._scale_load(1.0 - as_number(fraction, "fraction", 0.0, 1.0))
 
-    def fill_to(self, share: float) -> None:
+    def fill_to(self, fraction: float) -> None:
         """Set the load to a fraction, 0 to 1, of a full dip; the mixture stays the same.
 
         Raises
         ------
         InputError
-            If the share is not between 0 and 1.
+            If the fraction is not between 0 and 1.
         """
-        share = as_number(share, "share", 0.0, 1.0)
-        ink = self.surface.ink
-        held = float(ink.load.sum())
-        if not held > 0.0:
+        fraction = as_number(fraction, "fraction", 0.0, 1.0)
+        if not self.surface.ink.load.sum() > 0.0:
             self.dip()
-            ink = self.surface.ink  # dipping belly and tip makes new reservoirs
-            held = float(ink.load.sum())
-        factor = share * self.tuft.load / held
+        self._scale_load(fraction * self.tuft.load / float(self.surface.ink.load.sum()))
+
+    def _scale_load(self, factor: float) -> None:
+        """Multiply the load, along the tuft and in every hair, by a factor."""
+        ink = self.surface.ink
         if len(ink.reservoirs) > 1:
             self._hold_along(ink.reservoirs * factor)
         else:
             self._hold(ink.load * factor)
         if self.hairs is not None:
-            self.hairs.hold(self.surface.ink.load)
-            self.surface.ink.load[:] = self.hairs.held()
+            self.hairs.rescale(self.surface.ink.load)
+            self.surface.ink.load[:] = self.hairs.total()
 
-    def thin_to(self, share: float) -> None:
+    def thin_to(self, fraction: float) -> None:
         """Dilute the load to a fraction, up to 1, of the ink last dipped in, the rest water.
 
         The next dip is in undiluted ink again.
@@ -286,28 +278,28 @@ class Painter:
         Raises
         ------
         InputError
-            If the share is not between 0.0001 and 1.
+            If the fraction is not between 0.0001 and 1.
         """
-        share = as_number(share, "share", LEAST_INK, 1.0)
+        fraction = as_number(fraction, "fraction", LEAST_INK, 1.0)
         dips = self._dips or ((self._dipped, None),)
-        water = None if share == 1.0 else self.surface.column_of(load_pigment("water"))
+        water = None if fraction == 1.0 else self.surface.column_of(load_pigment("water"))
         whole, *tips = [self._mixture(_in_parts(ink)) for ink, _ in dips]
         along = np.tile(whole, (len(self.surface.ink.reservoirs), 1))
         middle = (np.arange(len(along)) + 0.5) / len(along)
         for parts, (_, reach) in zip(tips, dips[1:], strict=True):
             along[middle < (1.0 if reach is None else reach)] = parts
-        along *= share
+        along *= fraction
         if water is not None:
-            along[:, water] += 1.0 - share
+            along[:, water] += 1.0 - fraction
         self._mix(along)
 
     def _mix(self, along: AnyArray) -> None:
         """Give the load these parts: (N, P) along the tuft, or (1, P) throughout."""
         field = self.surface.ink
         if self.hairs is not None:
-            self.hairs.hold(field.load)
+            self.hairs.rescale(field.load)
             self.hairs.load = np.outer(self.hairs.load.sum(axis=1), along.mean(axis=0))
-            self._hold(self.hairs.held())
+            self._hold(self.hairs.total())
         elif len(field.reservoirs) > 1:
             self._hold_along(along * field.reservoirs.sum(axis=1)[:, None])
         else:
@@ -405,7 +397,7 @@ class Painter:
         """Fractions (P,) of the surface's pigments in an ink; they sum to 1."""
         stirred: Mapping[Any, float] = ink if isinstance(ink, Mapping) else {ink: 1.0}
         if not stirred:
-            raise InputError("the brush is dipped in nothing; expected an ink")
+            raise InputError("the ink has no parts; expected at least one pigment")
         columns, weights = [], []
         for name, weight in stirred.items():
             pigment = load_pigment(name) if isinstance(name, str) else name
@@ -451,7 +443,7 @@ class Painter:
         pressure: float | None = None,
         place: ArrayLike | None = None,
     ) -> Contact | None:
-        """Find how the brush would meet the surface in one pose; see `find_contact`."""
+        """Compute the contact of the brush with the surface in one pose; see `find_contact`."""
         surface = self.surface
         return find_contact(
             self.tuft, surface.paint_mesh, surface.contact_tree, position, orientation, pressure,
@@ -475,31 +467,31 @@ class Painter:
         Parameters
         ----------
         points : (N, 3) or (N, 2) array_like
-            mm, carried to the surface's closest points, or places U,V from 0 to 1 as ``--at`` of
-            the command line has them. They are joined by straight lines that lie on the surface.
+            mm, moved to the closest points of the surface, or U,V from 0 to 1 as ``--at`` of the
+            command line has them. They are joined by straight lines that lie on the surface.
         pressure : float or (M,) array_like
-            0 to 1; several spread evenly along the line, with smooth ways between them.
+            0 to 1; several are spread evenly along the line and joined smoothly.
         tilt : float or (M,) array_like
             The handle's lean off the surface's normal, degrees, up to 60 in the direction of the
             line and down to -60 against it.
         speed : float
             mm/s.
         side : {"outside", "inside", "top", "bottom"}, optional
-            From where U,V are seen; by default by the object's shape.
+            The side from which U,V are seen; by default chosen by the object's shape.
         wet : bool
             Let ink spread and dry meanwhile.
 
         Returns
         -------
         Recording
-            What a hand would have done, to be saved or replayed.
+            The line as a hand would have drawn it, to be saved or replayed.
 
         Raises
         ------
         InputError
             If there are fewer than two points, or a number is out of range.
         MeshError
-            If there is no surface at a place U,V.
+            If there is no surface at U,V.
 
         Examples
         --------
@@ -530,8 +522,8 @@ class Painter:
     ) -> None:
         """Paint a whole recording; where its pen's eraser end is down, erase (`Eraser`).
 
-        What seems to be wrong with its poses is logged: a handle that points into the surface, and
-        of what is painted a tip that is taken for the ferrule, and places in another frame.
+        Poses that seem to be wrong are logged: a handle that points into the surface and, where
+        something is painted, a tip that is taken for the ferrule, and positions in another frame.
 
         Parameters
         ----------
@@ -555,13 +547,22 @@ class Painter:
         """
         if not isinstance(recording, Recording | LaidPad):
             raise InputError(
-                "a recording was expected, and {kind} was given; load_recording(FILE) reads one",
+                "recording is a {kind}; expected a Recording, which load_recording(FILE) reads",
                 kind=type(recording).__name__,
             )
         self.finish()
-        doubts: tuple[Message | None, ...] = ()
+        warnings: tuple[Message | None, ...] = ()
         if isinstance(recording, Recording):
-            recording, doubts = self._for_brush(recording)
+            if recording.is_pad:
+                raise RecordingError(
+                    "the recording's space is 'pad'; expected 'world': lay it on the object first, "
+                    "by paint3d.painter.flat_input.lay_at, as in painter.replay(lay_at(recording, "
+                    "mesh, (0.5, 0.5), width_mm=60))",
+                    hint="points on the object are painted by painter.stroke(points, pressure=...)",
+                )
+            length_mm = self.brush.length_mm
+            recording = fit_to_tuft(recording, length_mm)
+            warnings = inspect_poses(recording, self.surface.closest_points, length_mm)
         laid = int(self.scratch.counters[FOOTPRINTS])
         n, first, passed = len(recording), 0, 0
         start, at = int(recording.time_ns[0]), self._progress.at
@@ -576,9 +577,9 @@ class Painter:
             if table is not None and first == 0:
                 table.begin(start, float(samples.pressure[0]), self._brush_state())
             for stop, is_frame in _stops(time_s, int(at[0]), known, frame_rate):
-                for pause, pieces in pauses.until(stop) if wet else ():
+                for pause, steps in pauses.until(stop) if wet else ():
                     self._paint_to(pause, samples, refills, buttons, times_ns, table)
-                    self._step_ink(pieces, progress, max(0, first + pause + 1) / n)
+                    self._step_ink(steps, progress, max(0, first + pause + 1) / n)
                 self._paint_to(stop, samples, refills, buttons, times_ns, table)
                 if is_frame or (frame_rate is not None and first + stop == n - 1):
                     self._refresh()
@@ -592,20 +593,7 @@ class Painter:
         self._turn(erases=False)
         self._n_samples += n
         self._begin()
-        log_doubts(doubts if self.scratch.counters[FOOTPRINTS] > laid else doubts[:1])
-
-    def _for_brush(self, recording: Recording) -> tuple[Recording, Doubts]:
-        """The recording for this brush's length, and what seems to be wrong with its poses."""
-        if recording.is_pad:
-            raise RecordingError(
-                "the recording's space is 'pad'; expected 'world': lay it on the object first, by "
-                "paint3d.painter.flat_input.lay_at, as in painter.replay(lay_at(recording, mesh, "
-                "(0.5, 0.5), width_mm=60))",
-                hint="points on the object are painted by painter.stroke(points, pressure=...)",
-            )
-        length_mm = self.brush.length_mm
-        recording = rooted(recording, length_mm)
-        return recording, doubts_of(recording, self.surface.closest_points, length_mm)
+        log_warnings(warnings if self.scratch.counters[FOOTPRINTS] > laid else warnings[:1])
 
     def _paint_to(
         self,
@@ -622,26 +610,26 @@ class Painter:
             return
         for k in range(max(0, min(int(self._progress.at[0]) + 1, last)), last + 1):
             self._paint_by_ends(samples, k, refills, buttons)
-            table.see(int(times_ns[k]), float(samples.pressure[k]), self._brush_state())
+            table.add(int(times_ns[k]), float(samples.pressure[k]), self._brush_state())
 
     def _brush_state(self) -> BrushState:
-        """What the brush has done so far, for a table of strokes."""
-        stamp, held, counters = self.stamp.values[0], self.in_brush(), self.scratch.counters
+        """Return what the brush has done so far, for a table of strokes."""
+        stamp, load, counters = self.stamp.values[0], self.in_brush(), self.scratch.counters
         return BrushState(
             touches=bool(stamp["touches"] > 0.0),
             way_mm=float(stamp["way"]),
-            ink_given=self.loaded - held,
-            ink_held=held,
+            ink_given=self.loaded - load,
+            ink_held=load,
             footprints=int(counters[FOOTPRINTS]),
             contacts=int(counters[SAMPLES]),
         )
 
     def _step_ink(
-        self, pieces: int, progress: Callable[[float], None] | None, fraction: float
+        self, n_steps: int, progress: Callable[[float], None] | None, fraction: float
     ) -> bool:
         """Advance the ink by time steps; return whether it is dry, so that no more can change."""
-        for _ in range(pieces):
-            self.surface.follow_time(PIECE_S)
+        for _ in range(n_steps):
+            self.surface.follow_time(INK_STEP_S)
             if progress is not None:
                 progress(fraction)
             if self.surface.flow.is_dry:
@@ -651,7 +639,7 @@ class Painter:
     def rest(
         self, last_ns: int, seconds: float, progress: Callable[[float], None] | None = None
     ) -> None:
-        """Let the ink of a wet replay go on spreading and drying.
+        """Continue to spread and dry the ink of a wet replay.
 
         Parameters
         ----------
@@ -667,8 +655,8 @@ class Painter:
         InputError
             If the time is not a finite number of at least 0.
         """
-        seconds = min(as_number(seconds, "rest (s)", 0.0), _FOR_EVER_S)
-        n = pieces_until(last_ns + round(1e9 * seconds)) - pieces_until(last_ns)
+        seconds = min(as_number(seconds, "rest (s)", 0.0), _LONGEST_REST_S)
+        n = ink_steps_until(last_ns + round(1e9 * seconds)) - ink_steps_until(last_ns)
         passed, is_dry = 0, False
         while passed < n and not is_dry:
             passed += self.surface.keeps_up  # a surface that lags behind takes no new time
@@ -688,13 +676,13 @@ class Painter:
         self._origin_ns = int(origins[max(0, len(part) - 1 - 2 * LOOKAHEAD)])
         schedule, header = _Schedule(), recording.header
         if "loads" in header or "strengths" in header:
-            schedule = _Schedule(*told_at(header, part.time_ns))
+            schedule = _Schedule(*changes_at(header, part.time_ns))
         buttons = np.asarray(path.buttons)
         prepared = part.time_ns, samples, _refills(buttons, schedule), buttons
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
 
-    def expect(
+    def schedule(
         self,
         loads: Sequence[tuple[int, float]] = (),
         strengths: Sequence[tuple[int, float]] = (),
@@ -704,17 +692,17 @@ class Painter:
         Parameters
         ----------
         loads : sequence of (int, float)
-            From which sample, counted from 0, the load is which fraction of a dip, 0 to 1; see
-            `fill_to`.
+            A sample, counted from 0, and the fraction of a dip, 0 to 1, that the load is from there
+            on; see `fill_to`.
         strengths : sequence of (int, float)
-            From which sample the load is which fraction of ink in water; see `thin_to`.
+            A sample, and the fraction of ink in water from there on; see `thin_to`.
         """
         self._schedule = _Schedule(tuple(loads), tuple(strengths))
 
     def advance(self, samples: Iterable[DeviceSample]) -> None:
         """Paint live; the last two samples stay pending until their successors arrive.
 
-        Whichever end of the pen is down: who begins the stroke says whether it erases.
+        The pen's eraser end is not looked at: whether a stroke erases is up to the caller.
         """
         if not self._pending:
             samples = list(samples)
@@ -784,15 +772,15 @@ class Painter:
                     self.loaded -= self._eraser.wipe()
 
     def _turn(self, *, erases: bool) -> None:
-        """Take the eraser end, which is as wet as a brush that is dipped, or the brush again."""
+        """Switch to the pen's eraser end, as wet as a dipped brush, or back to the brush."""
         surface = self.surface
         if erases and self._eraser is None:
-            self._waiting = self.keep(), BrushLoad.of(surface)
+            self._set_aside = self.keep(), BrushLoad.of(surface)
             self.dip(self._dipped)
             self._eraser = Eraser(surface)
         elif not erases and self._eraser is not None:
-            assert self._waiting is not None, "it was turned over"
-            kept, load = self._waiting
+            assert self._set_aside is not None, "the eraser end is down"
+            kept, load = self._set_aside
             before, loaded = self.in_brush(), self.loaded
             off_surface = surface.ink.off_surface.copy()
             load.put(surface)
@@ -901,7 +889,7 @@ def _spans(n: int) -> Iterator[tuple[int, int]]:
 
 
 _Refill = tuple[int, Callable[["Painter"], None]]
-"""A sample, and what to do with the brush after painting up to it."""
+"""A sample, and the change to the brush after painting up to it."""
 
 
 class _Schedule(NamedTuple):
@@ -929,8 +917,8 @@ def _refills(buttons: AnyArray, schedule: _Schedule) -> list[_Refill]:
     down = buttons & DIP
     dips = np.flatnonzero(down[1:] > down[:-1]) + 1 if down.any() else ()
     refills: list[_Refill] = [(int(k), Painter.dip) for k in dips]
-    refills += [(k, partial(Painter.fill_to, share=load)) for k, load in schedule.loads]
-    refills += [(k, partial(Painter.thin_to, share=part)) for k, part in schedule.strengths]
+    refills += [(k, partial(Painter.fill_to, fraction=load)) for k, load in schedule.loads]
+    refills += [(k, partial(Painter.thin_to, fraction=part)) for k, part in schedule.strengths]
     return sorted(refills, key=lambda refill: refill[0])  # stable
 
 
@@ -985,6 +973,6 @@ def _samples(
         on_surface=path.has_contact,
     )
     origins = np.empty(n, np.int64)
-    way = np.ascontiguousarray(path.way)
-    prepare_samples(time_ns, origin_ns, path.orientation, way, samples, origins)
+    points = np.ascontiguousarray(path.points)
+    prepare_samples(time_ns, origin_ns, path.orientation, points, samples, origins)
     return samples, origins

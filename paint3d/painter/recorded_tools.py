@@ -1,4 +1,4 @@
-"""Brush and ink that a version 1 recording names in its header; the end of the pen in its samples.
+"""Brush and ink named in the header of a version 1 recording; the end of the pen in its samples.
 
 A recording may come from a stranger, so these names never open a file of this machine.
 """
@@ -30,12 +30,12 @@ from paint3d.errors import (
 __all__ = [
     "LEAST_INK",
     "TIP_REACH",
+    "changes_at",
     "eraser_runs",
     "recorded_amount",
     "recorded_brush",
     "recorded_ink",
     "recorded_tip",
-    "told_at",
 ]
 
 TIP_REACH = 0.35  # default fraction of the tuft's length that a dip of the tip reaches
@@ -99,7 +99,7 @@ def recorded_tip(header: Mapping[str, Any]) -> tuple[dict[Pigment, float], float
 
 
 def recorded_amount(header: Mapping[str, Any]) -> DipAmount:
-    """Return how much ink a recording's dips take up; by default the preset's full load.
+    """Return the amount of ink that a recording's dips take up; by default the full load.
 
     Raises
     ------
@@ -112,7 +112,7 @@ def recorded_amount(header: Mapping[str, Any]) -> DipAmount:
         raise RecordingError("the header: {cause}", cause=cause) from None
 
 
-def told_at(
+def changes_at(
     header: Mapping[str, Any], time_ns: NDArray[np.int64]
 ) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
     """Read a header's ``loads`` and ``strengths`` as changes at samples (N,) of these times, ns.
@@ -120,8 +120,8 @@ def told_at(
     Returns
     -------
     loads, strengths : list of (int, float)
-        From which sample on the brush holds which fraction of a dip, and which fraction of ink in
-        water; none beyond the last sample.
+        A sample, and the fraction of a dip, or of ink in water, that the brush holds from there on;
+        none beyond the last sample.
 
     Raises
     ------
@@ -150,13 +150,14 @@ def eraser_runs(buttons: ArrayLike) -> list[tuple[int, int, bool]]:
 def _changes_in(
     header: Mapping[str, Any], name: str, least: float, time_ns: NDArray[np.int64]
 ) -> list[tuple[int, float]]:
+    """Read one list of changes, by sample; fractions are at least `least`."""
     stated = header.get(name, [])
     expected = Message(
-        "pairs of a time (ns) and a share from {least:g} to 1, in the order of time", least=least
+        "pairs of a time (ns) and a fraction from {least:g} to 1, in the order of time", least=least
     )
     try:
         times = np.array([when for when, _ in stated], np.int64)
-        fractions = [as_number(fraction, "share", least, 1.0) for _, fraction in stated]
+        fractions = [as_number(fraction, "fraction", least, 1.0) for _, fraction in stated]
     except (TypeError, ValueError, OverflowError, InputError):
         raise RecordingError(
             "the header's {name} are {stated!r:.60}; expected {expected}",
@@ -177,6 +178,7 @@ def _changes_in(
 
 
 def _name_in(header: Mapping[str, Any], key: str) -> str | None:
+    """Return the name at a key, or None; RecordingError if it is no text."""
     name = header.get(key)
     if name is not None and not isinstance(name, str):
         raise RecordingError(

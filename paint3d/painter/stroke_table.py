@@ -1,4 +1,4 @@
-"""What every stroke of a replay did, in numbers: how long, how hard, how much ink it left."""
+"""Measurements of every stroke of a replay: times, length, force and ink."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ __all__ = ["BrushState", "StrokeRow", "StrokeTable"]
 
 
 class BrushState(NamedTuple):
-    """What a painter's brush has done so far."""
+    """Totals of a painter's brush so far."""
 
     touches: bool
     way_mm: float  # since it touched
@@ -37,15 +37,15 @@ class StrokeRow:
         Times of the last sample before it touched and of the last one that did, since the
         recording's first.
     length_mm : float
-        The way of the footprint on the surface, up to the last sample that touches.
+        Path of the footprint on the surface, up to the last sample that touches.
     mean_force_n, most_force_n : float or None
-        Over its time; None where the recording tells none.
+        Over its time; None if the recording has no pressure.
     footprints : int
     ink_left : float
         Pigment that went from the brush to the surface, coats x mm2; below 0 where the pen's
         eraser end takes it off.
     ink_in_brush : float
-        That the brush holds where the stroke ends, coats x mm2.
+        Held by the brush where the stroke ends, coats x mm2.
     """
 
     stroke: int
@@ -60,7 +60,7 @@ class StrokeRow:
 
 
 class StrokeTable:
-    """Rows that fill while a painter replays recordings: `painter.replay(..., table=table)`.
+    """Rows that a painter adds while it replays recordings: `painter.replay(..., table=table)`.
 
     Attributes
     ----------
@@ -89,8 +89,8 @@ class StrokeTable:
         self._impulse = 0.0  # N s
         self._contacts = brush.contacts
 
-    def see(self, time_ns: int, pressure: float, brush: BrushState) -> None:
-        """Take the sample up to which has been painted."""
+    def add(self, time_ns: int, pressure: float, brush: BrushState) -> None:
+        """Take the next sample, after painting up to it."""
         time_s, force = 1e-9 * (time_ns - self._start_ns), MAX_FORCE_N * pressure
         before_s, before = self._last
         if time_s <= before_s:
@@ -119,7 +119,7 @@ class StrokeTable:
             row.mean_force_n = self._impulse / (row.end_s - row.start_s)
 
     def write(self, path: str | os.PathLike[str]) -> None:
-        """Write the rows as CSV, whole or not at all; what is not told is an empty cell.
+        """Write the rows as CSV, atomically; None is an empty cell.
 
         Raises
         ------

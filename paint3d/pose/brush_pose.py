@@ -82,7 +82,7 @@ class BrushPath:
         return ~np.isnan(self.contact[:, 0])
 
     @property
-    def way(self) -> AnyArray:
+    def points(self) -> AnyArray:
         """(N, 3) path of the stroke, mm: the intended contact points, else the tuft's root."""
         if self.contact is None:
             return self.position
@@ -158,7 +158,7 @@ def object_poses(samples: Sequence[DeviceSample]) -> BrushPath:
 
 
 def contacts_of(samples: Sequence[DeviceSample]) -> AnyArray | None:
-    """Intended contact points (N, 3) of samples, NaN for none; None if no sample has one."""
+    """Collect the intended contact points (N, 3), NaN for none; None if no sample has one."""
     if all(sample.contact is None for sample in samples):
         return None
     none = (math.nan, math.nan, math.nan)
@@ -176,6 +176,7 @@ def _path(
     object_orientation: AnyArray,
     contact: AnyArray | None,
 ) -> BrushPath:
+    """Transform samples from the world into the object's frame; arrays as in `Recording`."""
     origin, frame = _rows(object_position), _rows(object_orientation)
     turned = np.empty((len(time_ns), 4))
     carry_to_object(_rows(orientation), frame, turned)
@@ -211,7 +212,7 @@ def joined_samples(path: BrushPath) -> AnyArray:
 
 
 def velocities(path: BrushPath, joined: NDArray[np.bool_]) -> AnyArray:
-    """Tangents of the cubics along `BrushPath.way` in mm/s, (N, 3).
+    """Compute the tangents of the cubics along `BrushPath.points` in mm/s, (N, 3).
 
     The derivative of the parabola through a sample and its two neighbours; at the ends of a
     stroke, of that through the last three samples; with two samples, the chord. A sample at
@@ -226,5 +227,5 @@ def velocities(path: BrushPath, joined: NDArray[np.bool_]) -> AnyArray:
         From `joined_samples`.
     """
     velocity = np.empty((len(path), 3))
-    fill_tangents(path.time_s, _rows(path.way), joined, velocity)
+    fill_tangents(path.time_s, _rows(path.points), joined, velocity)
     return velocity

@@ -18,14 +18,16 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from paint3d.core.arrays import AnyArray, as_array, as_number
+from paint3d.core.atomic import write_atomically
 from paint3d.core.quaternion import multiply, quaternions_from_matrices, rotate, turn
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, ExportError
 
 __all__ = ["DeviceCalibration", "fit_calibration", "load_calibration", "save_calibration"]
 
 _FORMAT = "paint3d-calibration"
 _FARTHEST_MM = 1e6
 _SCALES = (0.01, 100.0)
+_CONJUGATE = np.array([1.0, -1.0, -1.0, -1.0])
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,18 +78,13 @@ class DeviceCalibration:
 
     def to_device(self, points: AnyArray) -> AnyArray:
         """Transform points (..., 3), mm, from the world's frame to the device's."""
-        inverse = self.rotation * np.array([1.0, -1.0, -1.0, -1.0])
-        return rotate(inverse, (points - self.shift) / self.scale)
+        return rotate(self.rotation * _CONJUGATE, (points - self.shift) / self.scale)
 
-    def place(self, point: AnyArray, orientation: AnyArray) -> tuple[AnyArray, AnyArray]:
+    def pose_to_world(self, point: AnyArray, orientation: AnyArray) -> tuple[AnyArray, AnyArray]:
         """Transform one point (3,) and one orientation (4,) to the world's frame."""
-        q, d = tuple(self.rotation.tolist()), tuple(point.tolist())
+        q = tuple(self.rotation.tolist())
         turned = np.array(multiply(q, tuple(orientation.tolist())))
-        return self.scale * np.array(turn(q, d)) + self.shift, turned
-
-    def force_to_device(self, force: AnyArray) -> AnyArray:
-        """Rotate a force (..., 3), N, from the world's frame to the device's, without scaling."""
-        return rotate(self.rotation * np.array([1.0, -1.0, -1.0, -1.0]), force)
+        return self.scale * np.array(turn(q, tuple(point.tolist()))) + self.shift, turned
 
     def as_dict(self) -> dict[str, Any]:
         """Return all values, ready for JSON."""
@@ -130,12 +127,12 @@ def fit_calibration(
     if spread[1] < 1e-6 * max(spread[0], 1e-12):
         raise DeviceError("the points lie on one line; expected a triangle at the least")
     signs = np.array([1.0, 1.0, np.sign(np.linalg.det(u) * np.linalg.det(vt))])
-    turn = u * signs @ vt
+    rotation = u * signs @ vt
     scale = float((spread * signs).sum() / (d**2).sum() * len(d)) if scaled else 1.0
-    shift = world.mean(axis=0) - scale * turn @ device.mean(axis=0)
-    errors = world - (scale * device @ turn.T + shift)
+    shift = world.mean(axis=0) - scale * rotation @ device.mean(axis=0)
+    errors = world - (scale * device @ rotation.T + shift)
     residual = float(np.sqrt((errors**2).sum(axis=1).mean()))
-    return DeviceCalibration(quaternions_from_matrices(turn[None])[0], shift, scale, residual)
+    return DeviceCalibration(quaternions_from_matrices(rotation[None])[0], shift, scale, residual)
 
 
 def load_calibration(path: str | os.PathLike[str]) -> DeviceCalibration:
@@ -176,11 +173,8 @@ def save_calibration(calibration: DeviceCalibration, path: str | os.PathLike[str
     DeviceError
         If the file cannot be written.
     """
-    target = Path(path)
-    part = target.with_name(target.name + ".part")
     try:
-        part.write_text(json.dumps(calibration.as_dict(), indent=2) + "\n", encoding="utf-8")
-        part.replace(target)
-    except OSError as cause:
-        part.unlink(missing_ok=True)
-        raise DeviceError("{file}: cannot be written: {cause}", file=path, cause=cause) from None
+        with write_atomically(path) as part:
+            part.write_text(json.dumps(calibration.as_dict(), indent=2) + "\n", encoding="utf-8")
+    except ExportError as cause:
+        raise DeviceError(cause) from None

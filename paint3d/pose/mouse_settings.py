@@ -1,4 +1,4 @@
-"""User settings of a 6-DOF mouse, as in the panel, the command and the file."""
+"""User settings of a 6-DOF mouse and its buttons, as in the panel, the command and the file."""
 
 from __future__ import annotations
 
@@ -6,15 +6,25 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Any
 
+from paint3d.core.array_state import known_fields
 from paint3d.core.arrays import as_number
 from paint3d.device.six_dof import AXES
 from paint3d.device.space_mouse import DeflectionSettings
-from paint3d.errors import DeviceError
+from paint3d.errors import DeviceError, UnknownNameError
 from paint3d.pose.steering import SteeringOptions
 
-__all__ = ["MODES", "MouseSettings", "parse_axes"]
+__all__ = [
+    "ACTIONS",
+    "DEFAULT_ACTIONS",
+    "MODES",
+    "MouseSettings",
+    "checked_actions",
+    "find_actions",
+    "parse_axes",
+]
 
 MODES = ("object", "camera")
 _ZOOMS = ("y", "z")
@@ -106,7 +116,7 @@ class MouseSettings:
         object.__setattr__(self, "axes", parse_axes(",".join(map(str, self.axes))))
 
     @classmethod
-    def from_words(cls, words: Mapping[str, Any]) -> MouseSettings:
+    def from_dict(cls, stored: Mapping[str, Any]) -> MouseSettings:
         """Read the settings from a file's entries; unknown ones are ignored.
 
         Raises
@@ -114,10 +124,9 @@ class MouseSettings:
         DeviceError
             See the class.
         """
-        known = {own.name for own in dataclasses.fields(cls)}
-        return cls(**{name: value for name, value in words.items() if name in known})
+        return cls(**known_fields(cls, stored))
 
-    def as_words(self) -> dict[str, Any]:
+    def as_dict(self) -> dict[str, Any]:
         """Return all settings, ready for a file."""
         return {**dataclasses.asdict(self), "axes": list(self.axes)}
 
@@ -139,3 +148,59 @@ class MouseSettings:
         """Return the settings for reading the cap, with the rest position of `before`."""
         before = before or DeflectionSettings()
         return dataclasses.replace(before, dead_zone=self.dead_zone, curve=self.curve)
+
+
+# ---- Buttons -------------------------------------------------------------------------------------
+
+ACTIONS = (
+    "recentre",
+    "dip",
+    "undo",
+    "redo",
+    "toggle_turning",
+    "toggle_moving",
+    "toggle_dominant_axis",
+    "toggle_camera",
+    "calibrate_rest",
+)
+"""Everything a button can do."""
+
+DEFAULT_ACTIONS: Mapping[int, str] = MappingProxyType(
+    {0: "recentre", 1: "dip", 2: "undo", 3: "redo", 4: "toggle_turning", 5: "toggle_moving"}
+)
+"""Button number: action. Every 6-DOF mouse has the first two."""
+_MOST_BUTTONS = 31  # of a bit field
+
+
+def checked_actions(actions: Mapping[int, str]) -> dict[int, str]:
+    """Check and copy a user's mapping.
+
+    Raises
+    ------
+    DeviceError
+        If a button's number is not 0 to 30.
+    UnknownNameError
+        For an unknown action.
+    """
+    for button, action in actions.items():
+        if (
+            isinstance(button, bool)
+            or not isinstance(button, int)
+            or not 0 <= button < _MOST_BUTTONS
+        ):
+            raise DeviceError(
+                "button {button!r}; expected 0 to {most}",
+                button=button,
+                most=_MOST_BUTTONS - 1,
+            )
+        if action not in ACTIONS:
+            raise UnknownNameError("action", str(action), ACTIONS)
+    return dict(actions)
+
+
+def find_actions(
+    before: int, after: int, actions: Mapping[int, str] = DEFAULT_ACTIONS
+) -> list[str]:
+    """List the actions of buttons pressed between two bit fields, lowest button first."""
+    pressed = after & ~before
+    return [actions[button] for button in sorted(actions) if pressed >> button & 1]

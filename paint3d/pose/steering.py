@@ -109,7 +109,7 @@ class SteeringState:
         In the world, mm/s.
     spin : tuple of 3 float
         About the world's axes, rad/s.
-    heard_ns : int
+    last_report_ns : int
         When the device last reported.
     """
 
@@ -117,7 +117,7 @@ class SteeringState:
     pose: ObjectPose = field(default_factory=ObjectPose)
     velocity: Vector = _NONE
     spin: Vector = _NONE
-    heard_ns: int = 0
+    last_report_ns: int = 0
 
 
 def report(
@@ -126,22 +126,21 @@ def report(
     """Return the state after a report of the cap's deflection (6,) at `time_ns`."""
     moved = advance(options, state, time_ns)
     velocity, spin = _rates(options, as_array(deflection, "deflection", (6,), error=DeviceError))
-    return dataclasses.replace(moved, velocity=velocity, spin=spin, heard_ns=moved.time_ns)
+    return dataclasses.replace(moved, velocity=velocity, spin=spin, last_report_ns=moved.time_ns)
 
 
 def advance(options: SteeringOptions, state: SteeringState, time_ns: int) -> SteeringState:
     """Return the state at a later time; a time before the state's changes nothing."""
     if time_ns <= state.time_ns:
         return state
-    if state.velocity == _NONE and state.spin == _NONE:
-        return SteeringState(time_ns, state.pose, _NONE, _NONE, state.heard_ns)
-    until = min(time_ns, max(state.heard_ns + SILENCE_NS, state.time_ns))
-    pose = state.pose
-    if until > state.time_ns:
-        pose = _moved(options, state, (until - state.time_ns) * 1e-9)
-    if time_ns > until:
-        return SteeringState(time_ns, pose, _NONE, _NONE, state.heard_ns)
-    return SteeringState(time_ns, pose, state.velocity, state.spin, state.heard_ns)
+    pose, velocity, spin = state.pose, state.velocity, state.spin
+    if velocity != _NONE or spin != _NONE:
+        until = min(time_ns, max(state.last_report_ns + SILENCE_NS, state.time_ns))
+        if until > state.time_ns:
+            pose = _moved(options, state, (until - state.time_ns) * 1e-9)
+        if time_ns > until:
+            velocity = spin = _NONE
+    return SteeringState(time_ns, pose, velocity, spin, state.last_report_ns)
 
 
 def apply_action(options: SteeringOptions, action: str) -> SteeringOptions:
@@ -159,7 +158,7 @@ def apply_action(options: SteeringOptions, action: str) -> SteeringOptions:
 
 
 def _rates(options: SteeringOptions, deflection: AnyArray) -> tuple[Vector, Vector]:
-    """Velocity, mm/s, and angular velocity, rad/s, in the world."""
+    """Compute velocity, mm/s, and angular velocity, rad/s, in the world."""
     rates = deflection[list(options.order)]
     rates = np.where(options.inverted, -rates, rates)
     if options.zoom_axis == "z":
@@ -198,7 +197,7 @@ def _moved(options: SteeringOptions, state: SteeringState, seconds: float) -> Ob
 
 
 def _twist_translation(shift: Vector, angles: Vector) -> Vector:
-    """Translation of a constant twist about the world's origin (exponential map of SE(3))."""
+    """Compute the translation of a constant twist about the origin (exponential map of SE(3))."""
     angle = math.sqrt(angles[0] ** 2 + angles[1] ** 2 + angles[2] ** 2)
     if angle < 1e-4:  # series, where the closed forms lose all digits
         one, two = 0.5 - angle**2 / 24.0, 1.0 / 6.0

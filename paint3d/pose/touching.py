@@ -14,7 +14,7 @@ from paint3d.device.sample import StylusReading
 from paint3d.errors import DeviceError, Message
 from paint3d.pose.calibration import DeviceCalibration, fit_calibration
 
-__all__ = ["SHEET_MM", "Fitted", "Touches", "sheet_corners"]
+__all__ = ["SHEET_MM", "TouchFit", "Touches", "sheet_corners"]
 
 SHEET_MM = (210.0, 148.0)
 """Width and depth of an A5 sheet in landscape, mm."""
@@ -25,7 +25,7 @@ _LEAST_APART_MM = 10.0
 _LEAST_WIDE_MM = 5.0  # root mean square, across the line nearest to the points
 _LEAST_WIDE = 0.1  # the same over their spread along that line
 _GREATEST_ERROR = 0.05  # over the greatest distance between points; beyond, a touch is misplaced
-_KEPT = 4096
+_MOST_READINGS = 4096
 
 
 def sheet_corners(width: float = SHEET_MM[0], depth: float = SHEET_MM[1]) -> NDArray[np.float64]:
@@ -39,8 +39,8 @@ def sheet_corners(width: float = SHEET_MM[0], depth: float = SHEET_MM[1]) -> NDA
 
 
 @dataclass(frozen=True, eq=False)
-class Fitted:
-    """Result of fitting touches.
+class TouchFit:
+    """A calibration fitted to touches, and how well it fits.
 
     Attributes
     ----------
@@ -80,7 +80,7 @@ class Touches:
             raise DeviceError("{n} points to touch; expected at least 3", n=len(self.points))
         _check_spread(self.points, Message("points to touch"))
         self.touched: list[AnyArray] = []
-        self._recent: deque[StylusReading] = deque(maxlen=_KEPT)
+        self._recent: deque[StylusReading] = deque(maxlen=_MOST_READINGS)
         self._buttons: int | None = None
 
     @property
@@ -88,7 +88,7 @@ class Touches:
         """True if all points have been touched."""
         return len(self.touched) == len(self.points)
 
-    def hear(self, readings: Iterable[StylusReading]) -> bool:
+    def add(self, readings: Iterable[StylusReading]) -> bool:
         """Follow the stylus, in its own frame; return whether a button press touched a point.
 
         Raises
@@ -116,7 +116,7 @@ class Touches:
             If there are no readings, it was not held still, or it is at an earlier touch.
         """
         if not self._recent:
-            raise DeviceError("nothing was heard of the stylus; expected it to be awake")
+            raise DeviceError("the stylus sent nothing; expected it to be awake")
         positions = np.array([reading.position for reading in self._recent])
         middle = np.median(positions, axis=0)
         moved = float(np.linalg.norm(positions - middle, axis=1).max())
@@ -143,7 +143,7 @@ class Touches:
         self.touched.append(middle)
         self._recent.clear()
 
-    def fit(self, *, scaled: bool = False) -> Fitted:
+    def fit(self, *, scaled: bool = False) -> TouchFit:
         """Fit the device's frame in the world to the touches.
 
         Parameters
@@ -174,12 +174,11 @@ class Touches:
             each = ", ".join(f"{error:.1f}" for error in errors)
             raise DeviceError(
                 "the touches lie {each} mm off their points; expected at most {most:.1f} mm: were "
-                "they touched in the order that was asked for, and are the points as far apart as "
-                "was said?",
+                "they touched in the order asked for, and are the points as far apart as given?",
                 each=each,
                 most=most,
             )
-        return Fitted(calibration, errors)
+        return TouchFit(calibration, errors)
 
 
 def _check_spread(points: AnyArray, what: Message) -> None:
@@ -218,8 +217,8 @@ def _check_distances(device: AnyArray, world: AnyArray) -> None:
     if off[i, j] > most:
         raise DeviceError(
             "touches {i} and {j} lie {first:.1f} mm apart, their points {wanted:.1f}; expected "
-            "within {most:.1f}: were they touched in the order that was asked for, and is the "
-            "sheet as large as was said?",
+            "within {most:.1f}: were they touched in the order asked for, and is the sheet as "
+            "large as given?",
             i=min(i, j) + 1,
             j=max(i, j) + 1,
             first=between[0][i, j],

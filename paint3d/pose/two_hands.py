@@ -175,27 +175,28 @@ class TwoHands:
         samples = []
         while self._waiting and self._waiting[0][0] <= until_ns:
             time_ns, _, entry = heapq.heappop(self._waiting)
-            if isinstance(entry, StylusReading):
-                samples += self._sample(time_ns, entry)
-            else:
+            if not isinstance(entry, StylusReading):
                 self._state = report(self.steering, self._state, time_ns, entry)
+            elif entry.in_range:
+                samples.append(self._sample(time_ns, entry))
+            else:
+                self._smoothed = None
         self._state = advance(self.steering, self._state, until_ns)
         return samples
 
     def _put(self, time_ns: int, entry: StylusReading | ArrayLike) -> None:
         heapq.heappush(self._waiting, (time_ns, next(self._count), entry))  # ties: as they came
 
-    def _sample(self, time_ns: int, reading: StylusReading) -> list[DeviceSample]:
-        """Turn a reading into one sample, or none if the pen is out of range."""
-        if not reading.in_range:
-            self._smoothed = None
-            return []
+    def _sample(self, time_ns: int, reading: StylusReading) -> DeviceSample:
+        """Turn a reading into a sample."""
         if time_ns <= self._last_ns:
             self.late += 1
             time_ns = self._last_ns + 1
         self._last_ns = time_ns
         self._state = advance(self.steering, self._state, time_ns)
-        position, orientation = self.calibration.place(reading.position, reading.orientation)
+        position, orientation = self.calibration.pose_to_world(
+            reading.position, reading.orientation
+        )
         pressure = reading.pressure
         if self._smoothing is not None:
             self._smoothed = smooth_pose(
@@ -203,15 +204,13 @@ class TwoHands:
             )
             position, orientation = self._smoothed.position, self._smoothed.orientation
             pressure = self._smoothed.pressure
-        held = self._state.pose
-        return [
-            DeviceSample(
-                time_ns,
-                position,
-                orientation,
-                pressure,
-                reading.buttons,
-                held.position,
-                held.orientation,
-            )
-        ]
+        object_pose = self._state.pose
+        return DeviceSample(
+            time_ns,
+            position,
+            orientation,
+            pressure,
+            reading.buttons,
+            object_pose.position,
+            object_pose.orientation,
+        )

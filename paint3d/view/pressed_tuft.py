@@ -176,7 +176,7 @@ class TuftFollower:
 def _poses(path: BrushPath) -> AnyArray:
     """Return the samples as poses (N, 9) of `place_stamp`."""
     poses = np.zeros((len(path), 9))
-    poses[:, :3], poses[:, 3:7], poses[:, 8] = path.way, path.orientation, path.has_contact
+    poses[:, :3], poses[:, 3:7], poses[:, 8] = path.points, path.orientation, path.has_contact
     poses[:, 7] = np.nan if path.pressure is None else path.pressure
     return poses
 
@@ -205,11 +205,11 @@ def _driven(painter: Painter, path: BrushPath, k: int, stamp: Stamp) -> Tuft:
     inputs[TILT] = math.degrees(values["tilt"]) if values["tilt"] > 0.0 else 90.0
     inputs[INK_LEFT] = painter.surface.ink.load.sum() / tuft.load
     if k:
-        step = path.way[k] - path.way[k - 1]
+        step = path.points[k] - path.points[k - 1]
         chord = float(np.linalg.norm(step))
         inputs[SPEED] = chord / (path.time_s[k] - path.time_s[k - 1])
         if k > 1 and chord > 1e-6:
-            last = path.way[k - 1] - path.way[k - 2]
+            last = path.points[k - 1] - path.points[k - 2]
             turned = math.atan2(float(np.linalg.norm(np.cross(last, step))), float(last @ step))
             inputs[CURVATURE] = turned / chord
     press = tuft.full_press / drive_factor(curves, STIFFNESS)

@@ -1,4 +1,4 @@
-"""What is written after: photographs, fonts; and spectra of lights and pigments."""
+"""Fuzzed inputs that are copied: photographs and fonts; and spectra of lights and pigments."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _without_date(profile: bytes) -> bytes:
 
 
 def _damage_photograph(data: bytes, chance: random.Random, others: Sequence[bytes]) -> bytes:
-    """Of a PNG mostly chunks that pass their checksums, since others end at the first of them."""
+    """Damage a photograph; PNG chunks mostly keep valid checksums, or readers stop early."""
     if not data.startswith(_PNG) or chance.random() < 0.2:
         return damage(data, chance, others)
     chunks, at = [], len(_PNG)

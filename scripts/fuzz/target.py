@@ -1,4 +1,4 @@
-"""What a target of the fuzzer is, and files for its reader."""
+"""Target of the fuzzer, and files for its reader."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Damage = Callable[[bytes, random.Random, Sequence[bytes]], bytes]
 
 @dataclass(frozen=True)
 class Target:
-    """One kind of input.
+    """A kind of input with its reader.
 
     Attributes
     ----------
@@ -49,7 +49,7 @@ def file_of(suffix: str, content: bytes) -> Path:
 
 
 def written(suffix: str, write: Callable[[Path], object]) -> tuple[str, bytes]:
-    """What a writer of files writes, as a seed."""
+    """Write a file with a writer, as a seed."""
     with tempfile.TemporaryDirectory() as name:
         path = Path(name) / f"a{suffix}"
         write(path)

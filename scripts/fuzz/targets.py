@@ -1,4 +1,4 @@
-"""What is fuzzed: for each kind of file good ones to start from, and the reader to try.
+"""Targets of the fuzzer: for each kind of file good ones to start from, and the reader.
 
 A target that is not about a file takes bytes all the same: see `Target.check`.
 """
@@ -119,11 +119,11 @@ def _inkml_seeds() -> list[tuple[str, bytes]]:
 
 def _check_recording(suffix: str, content: bytes) -> None:
     from paint3d.painter.recorded_tools import (
+        changes_at,
         recorded_amount,
         recorded_brush,
         recorded_ink,
         recorded_tip,
-        told_at,
     )
     from paint3d.recording.recording import load_recording
 
@@ -137,7 +137,7 @@ def _check_recording(suffix: str, content: bytes) -> None:
     assert tip is None or 0.0 <= tip[1] <= 1.0
     recorded_ink(recording.header)
     assert math.isfinite(recorded_amount(recording.header).fullness)
-    for told in told_at(recording.header, recording.time_ns):
+    for told in changes_at(recording.header, recording.time_ns):
         assert all(k < len(recording) and 0.0 <= share <= 1.0 for k, share in told)
 
 

@@ -9,7 +9,7 @@ from paint3d.app.model.document import Document
 from paint3d.colour.pigments import load_pigment
 from paint3d.errors import ExportError, InputError, SessionError
 from paint3d.files.project.session import load_session, save_session
-from paint3d.painter.ink_time import PIECE_NS
+from paint3d.painter.ink_time import INK_STEP_NS
 from tests.support.app.hands import line, paint, same_vertices, sample, small_plane
 from tests.support.app.repeating import repeated
 
@@ -145,7 +145,7 @@ def test_strokes_keep_their_times_in_a_recording_unless_a_clock_began_anew():
     moved = begun[2:] - [*starts[2:], 5_400_000_000]
     assert moved[0] == moved[1] > 5_000_000_000  # of one clock
     assert moved[2] == moved[0]
-    assert not (moved % PIECE_NS).any()
+    assert not (moved % INK_STEP_NS).any()
 
 
 def test_saving_needs_a_name_and_keeps_everything(tmp_path):

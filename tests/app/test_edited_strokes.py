@@ -18,7 +18,7 @@ from paint3d.app.model.mask import AngleMask, Mask
 from paint3d.app.model.score.playing import painted
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BristleSpec
-from paint3d.errors import InputError, Paint3DError, RecordingError
+from paint3d.errors import InputError, LayerError, Paint3DError, RecordingError
 from paint3d.recording.score import write_score
 from tests.app.test_score import OWN, PASSAGES, do
 from tests.support.app.hands import paint, small_plane
@@ -204,6 +204,32 @@ def test_symmetry_mask_and_layers_are_as_they_were_when_it_was_painted(tmp_path)
     for _ in range(3):
         document.undo()
     assert not document.modified
+
+
+@pytest.mark.parametrize(
+    ("command", "arguments"),
+    [
+        ("dry", ()),
+        ("blot", ()),
+        ("press_seal", ([[(-2, -2), (2, -2), (2, 2), (-2, 2)]], (0.0, 0.0, 0.0), (0.0, 1.0, 0.0))),
+        ("merge_layer", (1,)),
+    ],
+)
+def test_what_a_locked_layer_refused_stays_undone_by_an_edit(command, arguments) -> None:
+    document = sitting(2)
+    document.add_layer("二")
+    document.set_locked(0)
+    paint(document, (-12, 12), (12, 12), t0=5_000_000_000)
+    document.select_layer(0)
+    with pytest.raises(LayerError, match="locked"):
+        getattr(document, command)(*arguments)
+    document.set_locked(0, False)
+    document.select_layer(1)
+    wet, layers = document.surface.wet_ink(), document.layers
+    document.edit_strokes([2], {"do": "move", "along": (1.0, 0.0)})
+    assert document.layers == layers
+    assert document.surface.wet_ink() == pytest.approx(wet, rel=0.02)
+    as_replayed(document)
 
 
 def test_strokes_of_single_hairs_are_edited_and_the_ledger_closes() -> None:

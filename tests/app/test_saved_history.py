@@ -330,8 +330,8 @@ DAMAGE = {
     "below": ("steps.dry_rows", lambda old: first(old, -1), "do not follow"),
     "count": ("steps.dry_count", lambda old: old + np.int32(2**31 - 9), "do not follow|rows of"),
     "much": ("steps.amounts", lambda old: first(old, 1e30), "holds what is no ink"),
-    "nan": ("steps.coverage", lambda old: first(old, np.nan), "no ink|no number"),
-    "starts": ("steps.vertices_starts", lambda old: old * 2, "not shared out"),
+    "nan": ("steps.coverage", lambda old: first(old, np.nan), "no ink|not a finite number"),
+    "starts": ("steps.vertices_starts", lambda old: old * 2, "starts do not divide"),
     "of": ("steps.amounts_of", lambda old: first(old, 9999), "is given from"),
     "parts": ("steps.parts", lambda old: old + np.int32(1), "do not share out"),
     "stack": ("steps.stack", lambda old: first(old, 77), "stacks|load has shape"),
@@ -344,7 +344,7 @@ DAMAGE = {
     "patch": ("steps.flow_size", lambda old: old + np.int32(10**8), "water is kept"),
     "flow rows": ("steps.flow_rows", lambda old: old[::-1].copy(), "not in order"),
     "flow": ("steps.flow_names", lambda old: ["water"], "incomplete near"),
-    "stations": ("steps.stations_starts", lambda old: first(old, 1), "not shared out"),
+    "stations": ("steps.stations_starts", lambda old: first(old, 1), "starts do not divide"),
     "loaded": ("loaded", lambda old: first(old, np.inf), "out of range"),
 }
 

@@ -158,7 +158,7 @@ def test_the_force_is_that_of_the_brush_that_was_taken_last(program) -> None:
     limits, laws = DeviceLimits(5.0, 0.6), []
 
     def feel(document, settings):
-        brush = Feel.from_words(settings.feel).settings(document.painter.brush, limits)
+        brush = Feel.from_dict(settings.feel).settings(document.painter.brush, limits)
         laws.append(Law(document.surface.contact_tree, brush))
         return Feeling(laws[-1], limits=limits)
 
@@ -340,7 +340,7 @@ class Caps(NoDevices):
 
     read = None
 
-    def read_caps(self, deflection) -> None:
+    def set_deflection(self, deflection) -> None:
         self.read = deflection
 
 
@@ -373,7 +373,7 @@ def test_the_panel_sets_the_mouse_and_what_it_says_is_kept(program, tmp_path, mo
     assert steering.inverted == (True, False, False, False, False, False)
     assert (caps.read.dead_zone, caps.read.curve) == (0.2, 2.0)
     kept = load_settings()[0]
-    assert MouseSettings.from_words(kept.mouse).steering() == steering
+    assert MouseSettings.from_dict(kept.mouse).steering() == steering
     assert kept.buttons[2] == "toggle_camera"
     again = StudioWindow(program, kept, plugged=Caps())
     assert again.panels.devices.mouse.axes[0].currentData() == "-y"

@@ -147,7 +147,7 @@ def test_buttons_ask_the_document_or_steer_the_object():
 def test_a_cap_that_moves_while_its_rest_is_taken_is_told_and_all_goes_on():
     class Moved(Stand):
         def calibrate_rest(self):
-            raise DeviceError("the cap moved by 40% of its way")
+            raise DeviceError("the cap moved by 40% of its range")
 
     stand, hands = Moved(), TwoHands(time_ns=0)
     actions = {0: "calibrate_rest", 1: "undo"}
@@ -159,7 +159,7 @@ def test_a_cap_that_moves_while_its_rest_is_taken_is_told_and_all_goes_on():
         MouseEvent(5 * MS, push, 3),
     ]
     taken = desk.take()
-    assert [str(failure) for failure in taken.failures] == ["the cap moved by 40% of its way"]
+    assert [str(failure) for failure in taken.failures] == ["the cap moved by 40% of its range"]
     assert taken.commands == ["undo"]
     assert taken.object_pose.position[0] != 0.0
     assert desk.take().failures == ()

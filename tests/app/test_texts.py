@@ -168,10 +168,10 @@ def test_what_a_reader_in_a_child_process_says_keeps_its_fields(tmp_path, chines
         with pytest.raises(MeshError) as found:
             read(broken, AS_IT_IS)
         notes = read(odd, AS_IT_IS._replace(texture=True)).notes
-        told.append((found.value.message.to_words(), [note.to_words() for note in notes]))
+        told.append((found.value.message.to_json(), [note.to_json() for note in notes]))
     assert told[0] == told[1]
     assert told[0][0]["fields"]["file"] == str(broken)
-    assert [say(Message.from_words(words)) for words in told[0][1]] == [
+    assert [say(Message.from_json(words)) for words in told[0][1]] == [
         "未采用材质：找不到 'gone.mtl'",
         "未采用：线条",
     ]
@@ -190,8 +190,8 @@ def test_what_a_reader_in_a_child_process_says_keeps_its_fields(tmp_path, chines
 def test_errors_and_messages_can_be_packed(error) -> None:
     again = pickle.loads(pickle.dumps(error))
     assert (type(again), str(again), again.hint) == (type(error), str(error), error.hint)
-    assert again.message.to_words() == error.message.to_words()
-    assert Message.from_words(again.message.to_words()).to_words() == error.message.to_words()
+    assert again.message.to_json() == error.message.to_json()
+    assert Message.from_json(again.message.to_json()).to_json() == error.message.to_json()
 
 
 def test_an_error_takes_over_the_message_and_the_hint_of_another() -> None:

@@ -17,7 +17,7 @@ from paint3d.app.model.ink_clock import LATE_S, InkClock
 from paint3d.app.model.paint_thread import Pace, PaintThread
 from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, recoverable
 from paint3d.painter import painter as engine
-from paint3d.painter.ink_time import PIECE_NS, PIECE_S
+from paint3d.painter.ink_time import INK_STEP_NS, INK_STEP_S
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import line, paint, same_vertices, small_plane, wait_until
@@ -77,7 +77,7 @@ def clockwork(wall):
     clockwork = Clockwork(document)
     clockwork.held.clear()
     clockwork.paint_thread = PaintThread(document, wet=True)
-    wall.now += LATE_S + 1.1 * PIECE_S
+    wall.now += LATE_S + 1.1 * INK_STEP_S
     assert clockwork.entered.wait(LIMIT_S)
     yield clockwork
     clockwork.held.set()
@@ -91,7 +91,7 @@ def test_painting_stays_near_the_hand_however_long_the_ink_takes(piece_s, behind
     for _ in range(500):
         pace.took(piece_s)
     work_s = pace.most(behind_s) * piece_s
-    if piece_s <= 0.8 * PIECE_S:
+    if piece_s <= 0.8 * INK_STEP_S:
         assert piece_s < work_s <= 0.2
     elif behind_s <= 0.05:
         assert pace.most(behind_s) == 1 or behind_s + work_s <= 0.2
@@ -104,7 +104,7 @@ def test_whatever_is_asked_for_overtakes_the_ink(clockwork, wall):
     paint_thread, done = clockwork.paint_thread, clockwork.done
     for _ in range(3):
         paint_thread.post(lambda document: done.append("asked"))
-    wall.now += 6 * PIECE_S
+    wall.now += 6 * INK_STEP_S
     assert paint_thread.queue_length == 3  # no time waits behind what was asked for
     last = paint_thread.post(lambda document: done.append("last"))
     clockwork.held.set()
@@ -117,7 +117,7 @@ def test_ink_that_moves_by_itself_is_nothing_that_was_asked_for(clockwork):
     paint_thread = clockwork.paint_thread
     paint_thread.take_frame()
     for _ in range(3):
-        paint_thread.post("follow_time", PIECE_S)
+        paint_thread.post("follow_time", INK_STEP_S)
     clockwork.held.set()
     frames = []
     wait_until(lambda: frames.append(paint_thread.take_frame()) or frames[-1] is not None)
@@ -130,7 +130,7 @@ def test_no_ink_moves_once_it_is_switched_off(clockwork, wall):
     clockwork.held.set()
     for _ in range(3):
         paint_thread.post(lambda document: None).result(timeout=LIMIT_S)
-        wall.now += 2 * PIECE_S
+        wall.now += 2 * INK_STEP_S
     assert len(clockwork.done) == 1  # the piece that was being done
 
 
@@ -159,7 +159,7 @@ def test_while_ink_cannot_be_followed_no_time_passes_for_it(monkeypatch):
 
 
 def test_time_is_left_out_where_a_piece_takes_long(clockwork, wall):
-    wall.now += 10 * PIECE_S
+    wall.now += 10 * INK_STEP_S
     clockwork.held.set()
     wait_until(lambda: clockwork.paint_thread.ink_clock.left_out > 0)
     for _ in range(3):
@@ -254,7 +254,7 @@ def test_the_same_pieces_of_time_pass_before_a_sample_however_late_it_comes(gaps
         before = int(now)
     assert passed == at_once
     assert calm.left_out == late.left_out == 0
-    assert sum(passed) == samples[-1] // PIECE_NS - samples[0] // PIECE_NS
+    assert sum(passed) == samples[-1] // INK_STEP_NS - samples[0] // INK_STEP_NS
 
 
 def test_the_wall_goes_on_for_a_hand_that_is_silent():
@@ -310,7 +310,7 @@ def wet_sitting(quick_wall, tmp_path, autosave_interval_s):
         paint_thread.post("end_stroke")
     paint_thread.post("undo").result(timeout=LIMIT_S)
     done = document.surface.flow.steps
-    quick_wall.now += LATE_S + 4.1 * PIECE_S
+    quick_wall.now += LATE_S + 4.1 * INK_STEP_S
     wait_until(lambda: document.surface.flow.steps > done)
     paint_thread.stop(keep=True)
     return document

@@ -21,7 +21,7 @@ from paint3d.app.window.hand import canvas as canvases
 from paint3d.app.window.playing import player as players
 from paint3d.cli.main import main
 from paint3d.files.project.session import load_session
-from paint3d.painter.ink_time import PIECE_NS, PIECE_S
+from paint3d.painter.ink_time import INK_STEP_NS, INK_STEP_S
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import load_recording
 from paint3d.recording.recording import save_recording as save_recording_file
@@ -40,7 +40,7 @@ from tests.support.app.trials import blind_window, player_of
 from tests.support.examples import ALL
 
 _STALL_S = 0.004  # in which the ink would go on by itself
-_GRID_MS = PIECE_NS // 1_000_000  # events are the same if they fall alike between its lines
+_GRID_MS = INK_STEP_NS // 1_000_000  # events are the same if they fall alike between its lines
 WAYS = (("pictures", 5.0), ("pictures", 120.0), ("one by one", 0.0), ("burst", 0.0))
 KEPT = WAYS if ALL else (WAYS[1], WAYS[3])  # the rest with --long
 
@@ -218,7 +218,7 @@ def test_a_recording_of_another_day_lets_no_more_time_pass_first(
     monkeypatch.setattr(players, "time", paint_threads.time)
     assert window.recordings.replay_file(str(file))
     wait_for(lambda: not window.player.is_playing)
-    assert 0 < len(pieces) < 2.0 * recording.duration_s / PIECE_S + 10
+    assert 0 < len(pieces) < 2.0 * recording.duration_s / INK_STEP_S + 10
 
 
 @pytest.mark.long

@@ -305,7 +305,7 @@ class Devices:
         taken, self.readings = self.readings[:5], self.readings[5:]
         return taken
 
-    def read_caps(self, deflection) -> None:
+    def set_deflection(self, deflection) -> None:
         pass
 
     def stop(self) -> None:
@@ -601,7 +601,7 @@ def test_the_window_says_that_there_is_no_home_to_write_to(
     from paint3d.app.window import start
 
     shown: list[StudioWindow] = []
-    monkeypatch.setattr(start, "stand_in", lambda: tmp_path)
+    monkeypatch.setattr(start, "fallback_folder", lambda: tmp_path)
     monkeypatch.setattr(start, "open_first", lambda window, *_: shown.append(window))
     monkeypatch.setattr(
         type(program), "exec", lambda app: shown[0].status.message_label.text(), raising=False

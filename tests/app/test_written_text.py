@@ -13,7 +13,7 @@ pytest.importorskip("PySide6", reason="PySide6 is not installed")
 from PySide6 import QtCore, QtTest
 
 from paint3d.app.model.score.playing import painted
-from paint3d.painter.ink_time import PIECE_S
+from paint3d.painter.ink_time import INK_STEP_S
 from tests.support.app.gestures import BUTTON, type_key, wait_for
 from tests.support.app.hands import same_vertices
 from tests.support.app.windows import opened, settled
@@ -168,7 +168,7 @@ def test_where_nobody_keeps_the_time_ink_has_that_of_a_swift_hand(window) -> Non
     )
     within = [one for one in lines[begun:ended] if one["do"] == "follow_time"]
     pieces = sum(one.get("times", 1) for one in within)
-    assert pieces == pytest.approx(stroke.duration_s / (8 * PIECE_S), abs=1.0)
+    assert pieces == pytest.approx(stroke.duration_s / (8 * INK_STEP_S), abs=1.0)
     again = painted(document.score, document.surface.source)
     same_vertices(document.surface, again.surface)
 

@@ -182,10 +182,10 @@ def test_tip_dark_belly_light_with_hairs(hairs):
         ratios.append(max(shares) / min(shares))
         if n:
             held = painter.hairs.load
-            np.testing.assert_allclose(painter.hairs.held(), painter.surface.ink.load)
+            np.testing.assert_allclose(painter.hairs.total(), painter.surface.ink.load)
             np.testing.assert_allclose(
                 held / held.sum(axis=1, keepdims=True),
-                np.tile(painter.hairs.held() / held.sum(), (n, 1)),
+                np.tile(painter.hairs.total() / held.sum(), (n, 1)),
             )
     assert ratios[0] > 1.5
     assert ratios[1] == pytest.approx(ratios[0], rel=0.25)
@@ -281,11 +281,11 @@ def test_skipping_depends_on_the_place_and_not_on_the_vertices():
 @pytest.mark.parametrize(
     ("do", "message"),
     [
-        (lambda p: p.dip({}), "dipped in nothing"),
+        (lambda p: p.dip({}), "the ink has no parts"),
         (lambda p: p.dip({"pine soot": -1.0}), "part of pine soot is -1"),
         (lambda p: p.dip({"pine soot": float("nan")}), "part of pine soot is nan"),
         (lambda p: p.dip("pine soot", reach=2.0), "reach is 2"),
-        (lambda p: p.wipe(-0.1), "share is -0.1"),
+        (lambda p: p.wipe(-0.1), "fraction is -0.1"),
         (lambda p: p.dip("mud"), "unknown ink 'mud'"),
         (lambda p: Painter(p.surface, pickup=-1.0), "pickup"),
     ],

@@ -33,7 +33,7 @@ from paint3d.cli.painting import PaintingOptions
 from paint3d.colour.materials import load_materials, material_names
 from paint3d.colour.pigments import load_palette
 from paint3d.core import kernel as compiled_kernels
-from paint3d.core.ending import AskedToEnd, Ends
+from paint3d.core.ending import TerminationHandler, TerminationRequested
 from paint3d.errors import ExportError, MeshError
 
 SUFFIXES = (".ply", ".p3d.txt")
@@ -376,7 +376,7 @@ def test_a_signal_ends_what_goes_on_until_then_and_cuts_no_round_short(number: i
             signal.raise_signal(number)
             whole.append(len(whole))
         assert signal.getsignal(number) is handler
-        with Ends(patience_s=0.1) as ends:
+        with TerminationHandler(grace_s=0.1) as ends:
             for _ in devices.rounds(None, 0.2):  # it is no end of the program
                 signal.raise_signal(number)
                 whole.append(len(whole))
@@ -416,9 +416,9 @@ def test_asked_to_end_by_a_closed_terminal_is_no_fault_of_the_bar() -> None:
     def work() -> None:
         with progress.ProgressBar("a", stream=terminal):
             terminal.is_closed = True
-            raise AskedToEnd
+            raise TerminationRequested
 
-    with pytest.raises(AskedToEnd):
+    with pytest.raises(TerminationRequested):
         work()
 
 

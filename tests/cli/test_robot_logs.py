@@ -75,9 +75,9 @@ def test_a_ferrule_at_the_surface_asks_whether_it_is_the_tip(capsys) -> None:
     file = log(f"x_mm,y_mm,z_mm,{POSE},fz")
     status, said = painted(capsys, file)
     assert status == 0
-    assert said.count("is it the tip that is logged?") == 1
+    assert said.count("if the tip was logged") == 1
     assert main(["replay", file, "--on", "a.p3d", "--out", "b.p3d"]) == 0  # by steps
-    assert capsys.readouterr().err.count("is it the tip that is logged?") == 1
+    assert capsys.readouterr().err.count("if the tip was logged") == 1
     status, said = painted(capsys, log(f"x_mm,y_mm,z_mm,{POSE},fz", height=32.0))
     assert (status, said) == (0, "")
 
@@ -112,7 +112,7 @@ def test_a_table_has_no_row_without_a_footprint() -> None:
     for k, (footprints, contacts) in enumerate([(0, 1), (0, 1), (0, 2), (3, 3), (3, 3)], 1):
         touches = k in (1, 3, 4)
         state = before._replace(touches=touches, footprints=footprints, contacts=contacts)
-        table.see(k * 100_000_000, 0.1, state)
+        table.add(k * 100_000_000, 0.1, state)
     assert [(row.stroke, row.start_s, row.footprints) for row in table.rows] == [(1, 0.2, 3)]
 
 

@@ -19,7 +19,7 @@ from paint3d.device.force.haptic_stylus import PoseNumbers
 from paint3d.device.force.port_reader import PortReader
 from paint3d.errors import DeviceError
 from paint3d.haptics.settings import TOUCH
-from paint3d.haptics.stylus_choice import FoundStylus
+from paint3d.haptics.stylus_choice import DetectedStylus
 from paint3d.pose.calibration import DeviceCalibration, load_calibration
 from paint3d.recording.recording import load_recording
 from tests.support.styli import Inverse3StandIn, OpenHapticsStandIn
@@ -156,7 +156,7 @@ def going(tmp_path, monkeypatch):
     monkeypatch.setenv("PAINT3D_CONFIG", str(tmp_path / "config"))
     monkeypatch.setattr(hid_nodes, "backend_module", lambda _: SimpleNamespace(enumerate=list))
     port, frame = Going(DeviceError("its cable is off")), DeviceCalibration()
-    found = FoundStylus("inverse3", "Haply", "inverse3", port, TOUCH, frame)
+    found = DetectedStylus("inverse3", "Haply", "inverse3", port, TOUCH, frame)
     monkeypatch.setattr(devices, "find_stylus", lambda _: found)
     return tmp_path
 
@@ -201,7 +201,7 @@ def test_a_port_that_breaks_is_told_and_not_waited_for() -> None:
 
 
 def test_one_that_says_nothing_is_not_waited_for_for_ever() -> None:
-    with pytest.raises(DeviceError, match=r"Haply said nothing within 0\.1 s; expected it to be"):
+    with pytest.raises(DeviceError, match=r"Haply sent nothing within 0\.1 s; expected it to be"):
         PortReader(Going(None, 0), "Haply", 0.1)
 
 
@@ -234,7 +234,7 @@ def test_points_of_ones_own_are_touched_by_enter_scaled_into_a_file(
 
     hand = Hand()
     port = Held(points, lambda: hand.getvalue().count("touch "))
-    found = FoundStylus("inverse3", "Haply", "inverse3", port, TOUCH, DeviceCalibration())
+    found = DetectedStylus("inverse3", "Haply", "inverse3", port, TOUCH, DeviceCalibration())
     monkeypatch.setattr(devices, "find_stylus", lambda _: found)
     monkeypatch.setattr(sys, "stderr", hand)
     monkeypatch.setattr(sys, "stdin", os.fdopen(reads))

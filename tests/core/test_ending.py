@@ -18,8 +18,8 @@ import pytest
 from paint3d.cli import main
 from paint3d.core import atomic
 from paint3d.core.atomic import write_atomically
-from paint3d.core.ending import AskedToEnd, Ends, remove_unfinished
-from paint3d.core.machine import hold_new, this_machine
+from paint3d.core.ending import TerminationHandler, TerminationRequested, remove_unfinished
+from paint3d.core.machine import create_locked, this_machine
 from paint3d.errors import ExportError
 
 PATIENCE_S = 300.0
@@ -28,7 +28,7 @@ WRITING = """
 import multiprocessing, os, subprocess, sys, time
 from pathlib import Path
 from paint3d.core.atomic import write_atomically
-from paint3d.core.ending import Ends, end_now
+from paint3d.core.ending import TerminationHandler, end_now
 from paint3d.core.machine import end_with_parent
 
 def write(wait):
@@ -50,7 +50,7 @@ import asyncio, os, signal
 async def work():
     heard = asyncio.Event()
     asyncio.get_running_loop().add_signal_handler(signal.SIGUSR1, heard.set)
-    with Ends():
+    with TerminationHandler():
         signal.raise_signal(signal.SIGUSR1)
         time.sleep(0.1)
     await asyncio.wait_for(heard.wait(), 300.0)
@@ -60,7 +60,7 @@ asyncio.run(work())
 """
 FORKING = """
 import os, signal
-with Ends(patience_s=0.1) as ends:
+with TerminationHandler(grace_s=0.1) as ends:
     if not (child := os.fork()):
         signal.raise_signal(signal.SIGTERM)
         os._exit(0)
@@ -77,7 +77,7 @@ import signal, threading
 from paint3d.core.ending import holding_interrupts
 
 threading.Thread(target=time.sleep, args=(100,), daemon=True).start()  # as a library's: it hears
-with Ends() as ends:
+with TerminationHandler() as ends:
     try:
         with holding_interrupts():
             os.kill(os.getpid(), signal.SIGTERM)
@@ -89,8 +89,8 @@ with Ends() as ends:
         print("told", ends.status)
 """
 ALONE = "\nwrite(lambda: time.sleep(100))"
-AT_ONCE = "\nwith Ends(patience_s=0.0): write(lambda: time.sleep(100))"
-COMPUTING = "\nwith Ends(patience_s=0.2): write(compute); time.sleep(100)"
+AT_ONCE = "\nwith TerminationHandler(grace_s=0.0): write(lambda: time.sleep(100))"
+COMPUTING = "\nwith TerminationHandler(grace_s=0.2): write(compute); time.sleep(100)"
 OPENING = """
 import contextlib, threading
 
@@ -107,7 +107,7 @@ def go_on():
     threading.Thread(target=open_again, args=(path,), daemon=True).start()
     time.sleep(100)
 
-with Ends(patience_s=0.0): write(go_on)
+with TerminationHandler(grace_s=0.0): write(go_on)
 """
 CHILD = """
 if __name__ == "__main__":
@@ -190,8 +190,8 @@ def test_a_command_that_is_asked_to_end_leaves_the_old_file(
 def test_where_pipes_tell_of_no_signals_the_main_thread_hears(tmp_path: Path, monkeypatch) -> None:
     monkeypatch.delattr(signal, "pthread_kill", raising=False)
     monkeypatch.delattr(os, "set_blocking")
-    ends = Ends()
-    with pytest.raises(AskedToEnd), ends, write_atomically(tmp_path / "o.png"):
+    ends = TerminationHandler()
+    with pytest.raises(TerminationRequested), ends, write_atomically(tmp_path / "o.png"):
         signal.raise_signal(signal.SIGTERM)
     assert ends.status == 143
     assert list(tmp_path.iterdir()) == []
@@ -300,8 +300,8 @@ def test_a_new_file_that_somebody_looks_at_is_left_to_them(tmp_path: Path, monke
 
     new = tmp_path / "new"
     monkeypatch.setattr(fcntl, "flock", look_first)
-    with looks, pytest.raises(FileExistsError, match="taken away"):
-        hold_new(new)
+    with looks, pytest.raises(FileExistsError, match="locked or removed"):
+        create_locked(new)
 
 
 @needs_signals

@@ -19,10 +19,10 @@ from paint3d.core import own_folders
 from paint3d.core.numba_kernels import ONLY
 from paint3d.core.own_folders import (
     config_folder,
+    fallback_folder,
     find_home,
     private_folder,
     recovery_folder,
-    stand_in,
 )
 from paint3d.errors import ExportError
 
@@ -179,7 +179,7 @@ def test_settings_and_paintings_are_kept_without_a_home(
     own = temporary / f"paint3d-{os.geteuid()}"
     assert config_folder() == own / "config"
     assert recovery_folder() == own / "state" / "sittings"
-    assert stand_in() == own
+    assert fallback_folder() == own
     save_settings(Settings(language="zh"))
     assert load_settings() == (Settings(language="zh"), None)
     assert find_home() == (Path(NOWHERE) if home == NOWHERE else None)
@@ -190,11 +190,11 @@ def test_settings_of_a_home_that_is_read_only_are_read(
 ) -> None:
     home = tmp_path / "home"
     monkeypatch.setenv("HOME", str(home))
-    assert stand_in() is None
+    assert fallback_folder() is None
     save_settings(Settings(language="zh"))
     assert (home / ".config" / "paint3d" / "settings.json").is_file()
     monkeypatch.setattr("paint3d.core.own_folders.can_write", lambda folder: False)
-    assert stand_in() == temporary / f"paint3d-{os.geteuid()}"
+    assert fallback_folder() == temporary / f"paint3d-{os.geteuid()}"
     assert load_settings()[0].language == "zh"
     save_settings(Settings(language="en"))
     assert load_settings()[0].language == "en"

@@ -350,8 +350,8 @@ def test_the_inverse3_speaks_metres() -> None:
     [
         ("[", "not JSON"),
         ("[" * 100_000, "not JSON"),
-        ("[]", "knows no Inverse3"),
-        ('{"inverse3": []}', "knows no Inverse3"),
+        ("[]", "lists no Inverse3"),
+        ('{"inverse3": []}', "lists no Inverse3"),
         ('{"inverse3": [{"state": {}}]}', "device_id"),
         ('{"inverse3": [{"device_id": "a", "state": 3}]}', "cursor_position"),
         (

@@ -18,7 +18,7 @@ from paint3d.device.force import haptic_stylus
 from paint3d.device.hid_link import DeviceGoneError
 from paint3d.device.hid_nodes import HidNode, kind_of
 from paint3d.device.hot_plug import PluggedDevices, compare_nodes
-from paint3d.device.report_rate import find_report_rate, lateness_ms
+from paint3d.device.report_timing import lateness_ms, measure_report_rate
 from paint3d.device.space_mouse import DeflectionSettings, SpaceMouse
 from paint3d.errors import DeviceError
 from tests.support.descriptors import SPACENAVIGATOR, buttons, collection, field, pen
@@ -43,7 +43,7 @@ def write_log(file, n: int = 40) -> None:
     both = [(t, MOUSE, SPACENAVIGATOR, r) for t, r in nudges(n // 8)]
     both += [(t, STYLUS, haptic_stylus.DESCRIPTOR, r) for t, r in poses(n)]
     for t, node, descriptor, report in sorted(both, key=lambda entry: entry[0]):
-        log.keep(node, descriptor, t, report)
+        log.append(node, descriptor, t, report)
     assert not file.exists()
     log.close()
 
@@ -212,7 +212,7 @@ def test_another_dead_zone_leaves_where_the_cap_rests() -> None:
     while mouse.loop.status.n_reports < 5 and time.monotonic() < until:
         time.sleep(0.005)
     mouse.calibrate_rest()
-    devices.read_caps(DeflectionSettings(dead_zone=0.2, curve=3.0))
+    devices.set_deflection(DeflectionSettings(dead_zone=0.2, curve=3.0))
     assert mouse.settings == DeflectionSettings(0.2, (9.0, -4.0, 0.0, 0.0, 0.0, 0.0), 3.0)
     devices.stop()
 
@@ -228,8 +228,8 @@ def test_events_that_nobody_takes_are_counted() -> None:
 def test_what_came_and_went() -> None:
     other = HidNode("/dev/hidraw1", "hidraw", 1, 2, "pen", "", 13, 2, "pen")
     changes = compare_nodes([MOUSE, STYLUS], [MOUSE, other])
-    assert changes.came == (other,)
-    assert changes.went == (STYLUS,)
+    assert changes.added == (other,)
+    assert changes.removed == (STYLUS,)
 
 
 def test_what_a_descriptor_is_good_for() -> None:
@@ -243,10 +243,10 @@ def test_what_a_descriptor_is_good_for() -> None:
 
 def test_the_rate_of_a_device() -> None:
     times = np.concatenate([np.arange(100) * 8 * MS, 10**10 + np.arange(100) * 8 * MS])
-    rate = find_report_rate(times)
+    rate = measure_report_rate(times)
     assert rate.rate_hz == pytest.approx(125.0)
     assert (rate.n, rate.pauses) == (200, 1)
-    assert find_report_rate([5]).rate_hz == 0.0
+    assert measure_report_rate([5]).rate_hz == 0.0
 
 
 def test_lateness_is_that_of_the_reader() -> None:

@@ -17,7 +17,6 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.server import serve
 
 from paint3d.core.quaternion import rotate
-from paint3d.device.force import inverse3
 from paint3d.device.force.force_port import SocketForcePort
 from paint3d.device.force.haptic_stylus import decode_force, encode_pose
 from paint3d.device.force.inverse3 import MAX_FORCE_N as INVERSE3_LIMIT
@@ -234,10 +233,10 @@ class Service:
         self.thread.join()
 
 
-def run_inverse3(loop: Loop, **more) -> Service:
+def run_inverse3(loop: Loop, silence_s: float = 0.002, **more) -> Service:
     service = Service(**more)
     try:
-        Inverse3Port(service.uri).run(loop)
+        Inverse3Port(service.uri, silence_s).run(loop)
         until = time.monotonic() + 300.0
         while not service.messages or service.forces()[-1].any():
             assert time.monotonic() < until, service.messages[-1:]
@@ -248,10 +247,9 @@ def run_inverse3(loop: Loop, **more) -> Service:
     return service
 
 
-def test_the_inverse3_is_asked_and_answered(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(inverse3, "_SILENCE_S", 120.0)  # a machine that is late is not silent
+def test_the_inverse3_is_asked_and_answered() -> None:
     loop = Loop(40)
-    service = run_inverse3(loop)
+    service = run_inverse3(loop, silence_s=120.0)  # a machine that is late is not silent
     *pushing, last = service.forces()
     assert np.allclose(pushing, [0.1, 0.2, 0.3])
     assert len(pushing) == 39
@@ -260,10 +258,9 @@ def test_the_inverse3_is_asked_and_answered(monkeypatch: pytest.MonkeyPatch) -> 
     assert (loop.poses[5].buttons, loop.poses[20].buttons) == (0, DIP)
 
 
-def test_an_inverse3_that_pauses_or_stammers(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(inverse3, "_SILENCE_S", 0.25)  # as above, but it has to be noticed
-    loop = Loop(60)
-    service = run_inverse3(loop, broken_at=10, silent_at=20)
+def test_an_inverse3_that_pauses_or_stammers() -> None:
+    loop = Loop(60)  # as above, but a silence has to be noticed
+    service = run_inverse3(loop, silence_s=0.25, broken_at=10, silent_at=20)
     assert loop.n_refused == 1
     assert loop.silences > 1
     assert service.n_late is not None  # while it was silent it was let go,

@@ -150,7 +150,7 @@ def test_accounts_of_the_brush_may_be_less_than_nothing_by_rounding(tmp_path, n_
 
 
 def test_a_brush_that_never_saw_ink_has_none_to_take_up():
-    with pytest.raises(InputError, match="never seen any; expected an ink"):
+    with pytest.raises(InputError, match="never had any; expected an ink"):
         Painter(PaintedSurface(sheet(flat, (40.0, 40.0), 5.0), 0.8), ink=None)
 
 

@@ -444,7 +444,7 @@ def test_the_ring_says_what_it_lost() -> None:
 
 
 def test_a_tree_is_handed_over_whole(tree) -> None:
-    block, memory = TreeBlock.share(tree)
+    block, memory = TreeBlock.allocate(tree)
     copy, attached = block.attach()
     for mine, theirs in zip(tree, copy, strict=True):
         assert mine.dtype == theirs.dtype
@@ -512,9 +512,9 @@ def test_a_small_disk_for_it_ends_nobody(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines() == [
-        "no 0.008 MB of memory to share with the stylus' process (No space left on device); "
-        "expected room for them in /dev/shm: a container is given more of it when it is started "
-        "(--shm-size)"
+        "0.008 MB of memory to share with the stylus' process cannot be allocated (No space left "
+        "on device); expected as much in /dev/shm: a container gets more when it is started with a "
+        "larger one (--shm-size)"
     ]
 
 

@@ -11,7 +11,7 @@ import trimesh
 
 from paint3d.files.load import BUILT_IN_OBJECTS, load_mesh
 from scripts import solids
-from scripts.profiles import sample_profile, vessel_profile
+from scripts.solids import sample_profile, vessel_profile
 
 MESHES = Path(__file__).parents[2] / "meshes"
 WALL = [((34.0, 8.5), (63.0, 8.5), (65.0, 43.0), (73.5, 66.5))]

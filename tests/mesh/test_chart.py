@@ -20,7 +20,7 @@ from paint3d.mesh.chart import (
 )
 from paint3d.mesh.placement import place
 from paint3d.mesh.triangle_mesh import TriangleMesh
-from paint3d.painter.flat_input import LaidPad, lay, size_of
+from paint3d.painter.flat_input import LaidPad, lay, pad_extent
 from paint3d.recording.flat_recording import orientations_from_angles
 from paint3d.recording.recording import Recording
 from scripts.solids import make_plane, make_sphere
@@ -261,7 +261,7 @@ def test_laying_refuses_what_does_not_fit(plane):
 
 def test_a_pad_is_centred_scaled_and_laid_part_by_part(plane):
     drawn = pad([[10, 10, 3], [30, 20, 0], [11, 12, 0], [29, 13, 1], [15, 11, 0]])
-    middle, half, scale = size_of(drawn, width_mm=10)
+    middle, half, scale = pad_extent(drawn, width_mm=10)
     assert (middle.tolist(), half.tolist(), scale) == ([20, 15], [5, 2.5], 0.5)
     chart = make_chart(plane, frame_at(plane, [0, 0, 0], [0, 1, 0]), 10, 10)
     laid = LaidPad(drawn, chart, middle, scale)
@@ -273,7 +273,7 @@ def test_a_pad_is_centred_scaled_and_laid_part_by_part(plane):
         for name in ("time_ns", "position", "orientation", "pressure", "contact", "buttons"):
             np.testing.assert_array_equal(getattr(part, name), getattr(whole, name)[first:last])
     with pytest.raises(RecordingError, match="has no width"):
-        size_of(pad([[1, 2, 0], [1, 3, 0]]), 10)
+        pad_extent(pad([[1, 2, 0], [1, 3, 0]]), 10)
 
 
 @pytest.mark.parametrize("half", [300.0, 5e5])

@@ -31,8 +31,7 @@ from paint3d.recording.score import load_score
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.chromium import Browser, browser_path, opened, served
 from tests.support.descriptors import combined_mouse
-from tests.support.web_hid import as_a_browser_has_it
-from tests.support.web_page import built_page, hashes_of, why_no_kernels
+from tests.support.web_page import as_a_browser_has_it, built_page, hashes_of, why_no_kernels
 
 pytestmark = [
     pytest.mark.skipif(browser_path() is None, reason="neither Chromium nor Chrome is installed"),

@@ -91,16 +91,16 @@ def test_a_page_is_given_words_that_it_plays_and_they_give_the_same_painting(
         ([{"do": "follow_time", "seconds": 0.1}, *drawn(0.0)], {},
          "its ink flows in steps of 0.1 s; in a page these are 0.05 s"),
         ([*FADED * 31, *[{"do": "undo"}] * 20, {"do": "dip"}, *[{"do": "undo"}] * 11], {},
-         "it takes back more than the 30 steps, 256 MiB together, that a page keeps"),
+         "it undoes more than the 30 steps, 256 MiB together, that a page keeps"),
         ([{"do": "dip", "ink": {"azurite": 1.0}}, *drawn(0.0)], {},
-         "the grains of azurite are seen"),
+         "the grains of azurite are visible"),
     ],
 )  # fmt: skip
 def test_what_a_page_does_not_play_is_said(
     events: list[Any], changes: dict[str, Any], said: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     session = session_of(*events, **changes)
-    monkeypatch.delattr(single_file, "_painted")  # it is said before anything is painted
+    monkeypatch.delattr(single_file, "_play")  # it is said before anything is painted
     with pytest.raises(InputError, match=said):
         page_score(session)
 
@@ -113,7 +113,7 @@ def test_what_takes_more_memory_to_take_back_than_a_page_has_is_not_carried(
     monkeypatch.setattr(single_file, "MOST_BYTES", 3 * 4 * n * (n_pigments + 1))
     page_score(session)
     monkeypatch.setattr(single_file, "MOST_BYTES", 3 * 4 * n * (n_pigments + 1) - 1)
-    with pytest.raises(InputError, match="it takes back more than the 30 steps"):
+    with pytest.raises(InputError, match="it undoes more than the 30 steps"):
         page_score(session)
 
 
@@ -177,7 +177,7 @@ def test_a_session_without_a_score_may_be_a_strangers(
     own = {**written.settings, **settings}
     own = json.loads(json.dumps(own).replace("TABLE", str(table)))
     given = {name: value for name, value in own.items() if value is not None}
-    monkeypatch.delattr(single_file, "_painted")
+    monkeypatch.delattr(single_file, "_play")
     with pytest.raises(InputError, match=said) as refusal:
         page_score(replace(written, settings=given))
     assert "R_400" not in str(refusal.value)
@@ -188,7 +188,7 @@ def test_a_painting_of_unknown_or_other_strokes_is_not_carried(painting: Session
     with pytest.raises(InputError, match="it is not recorded how it was painted"):
         page_score(Session(painting.surface))
     other = session_of(*drawn(0.0)).score
-    with pytest.raises(InputError, match="what was recorded of it gives another painting"):
+    with pytest.raises(InputError, match="its recording gives another painting"):
         page_score(Session(painting.surface, score=other))
 
 

@@ -20,8 +20,7 @@ from paint3d.device.space_mouse import DeflectionSettings, deflection
 from paint3d.page.folder import KERNELS, PageObject, build_page
 from paint3d.pose.steering import SteeringOptions, SteeringState, advance, report
 from tests.support.descriptors import SPACENAVIGATOR, combined_mouse, split_mouse
-from tests.support.web_hid import as_a_browser_has_it
-from tests.support.web_page import replay_script, why_no_kernels
+from tests.support.web_page import as_a_browser_has_it, replay_script, why_no_kernels
 
 pytestmark = pytest.mark.skipif(bool(why_no_kernels(KERNELS)), reason=why_no_kernels(KERNELS))
 MICE = {"captured": SPACENAVIGATOR, "split": split_mouse(), "combined": combined_mouse()}

@@ -153,7 +153,7 @@ def test_ink_is_kept(wipe, pickup):
     assert painter.ledger()["off_surface"] > 0.0
     assert painter.surface.amounts.min() >= 0.0
     assert painter.hairs.load.min() >= 0.0
-    np.testing.assert_allclose(painter.hairs.held(), painter.surface.ink.load)
+    np.testing.assert_allclose(painter.hairs.total(), painter.surface.ink.load)
 
 
 def test_hairs_that_touch_more_give_more():

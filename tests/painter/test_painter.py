@@ -360,7 +360,7 @@ def test_a_brush_that_was_rinsed_is_filled_with_what_it_was_dipped_in():
     painter.rinse()
     painter.fill_to(0.5)
     assert painter.in_brush() == pytest.approx(0.5 * painter.tuft.load)
-    with pytest.raises(InputError, match="share"):
+    with pytest.raises(InputError, match="fraction"):
         painter.fill_to(1.5)
 
 

@@ -12,12 +12,6 @@ from hypothesis import strategies as st
 from paint3d.app.model.persistence.settings import Settings, load_settings, save_settings
 from paint3d.cli.main import main
 from paint3d.core.quaternion import rotate
-from paint3d.device.button_actions import (
-    ACTIONS,
-    DEFAULT_ACTIONS,
-    checked_actions,
-    find_actions,
-)
 from paint3d.device.catalogue import find_mouse_quirks
 from paint3d.device.sample import StylusReading
 from paint3d.device.space_mouse import (
@@ -28,7 +22,14 @@ from paint3d.device.space_mouse import (
 )
 from paint3d.errors import DeviceError, UnknownNameError
 from paint3d.haptics.settings import Feel
-from paint3d.pose.mouse_settings import MouseSettings, parse_axes
+from paint3d.pose.mouse_settings import (
+    ACTIONS,
+    DEFAULT_ACTIONS,
+    MouseSettings,
+    checked_actions,
+    find_actions,
+    parse_axes,
+)
 from paint3d.pose.steering import (
     ObjectPose,
     SteeringOptions,
@@ -285,7 +286,7 @@ def test_every_control_changes_the_way(changed) -> None:
 def test_as_it_was_is_as_it_was() -> None:
     before = MouseSettings()
     assert before.steering() == TwoHands().steering
-    assert MouseSettings.from_words(before.as_words()) == before
+    assert MouseSettings.from_dict(before.as_dict()) == before
 
 
 def test_swapped_axes_are_swapped_and_turned_round() -> None:
@@ -328,7 +329,7 @@ def test_the_command_keeps_what_was_set(tmp_path, monkeypatch, capsys) -> None:
     settings, problem = load_settings()
     assert problem is None
     assert settings.language == "zh"
-    mouse = MouseSettings.from_words(settings.mouse)
+    mouse = MouseSettings.from_dict(settings.mouse)
     assert mouse.axes == ("x", "-z", "y", "rx", "ry", "rz")
     assert (mouse.mode, mouse.speed_mm_s, mouse.turn_deg_s) == ("camera", 200.0, 90.0)
     assert (mouse.dead_zone, mouse.curve, mouse.zoom_axis) == (0.1, 2.0, "z")
@@ -344,8 +345,8 @@ def test_the_command_keeps_what_was_set(tmp_path, monkeypatch, capsys) -> None:
         assert said.count("\n") == 1
     assert main(["devices", "set", "--defaults"]) == 0
     settings = load_settings()[0]
-    assert MouseSettings.from_words(settings.mouse) == MouseSettings()
-    assert Feel.from_words(settings.feel) == Feel()
+    assert MouseSettings.from_dict(settings.mouse) == MouseSettings()
+    assert Feel.from_dict(settings.feel) == Feel()
     assert (settings.stylus, settings.buttons) == ("auto", Settings().buttons)
     assert settings.language == "zh"
 
@@ -400,12 +401,12 @@ def heard(time_ms: float, place, buttons: int) -> StylusReading:
 def test_a_button_that_bounces_touches_one_point() -> None:
     touches = Touches(sheet_corners())
     held = [heard(k, touches.points[0], b) for k, b in enumerate((0, 0, 1, 0))]
-    assert touches.hear(held)
+    assert touches.add(held)
     with pytest.raises(DeviceError, match=r"point 2 was touched 0\.00 mm from point 1; expected"):
-        touches.hear([heard(9.0, touches.points[0], 1)])
+        touches.add([heard(9.0, touches.points[0], 1)])
     assert len(touches.touched) == 1
     for k, place in enumerate(touches.points[1:]):
-        assert touches.hear([heard(100.0 * (k + 1) + b, place, b) for b in (0, 1)])
+        assert touches.add([heard(100.0 * (k + 1) + b, place, b) for b in (0, 1)])
     assert touches.is_done
     assert touches.fit().errors_mm.max() < 1e-9
 
@@ -414,8 +415,8 @@ def test_a_stylus_that_moves_while_it_touches_is_asked_again() -> None:
     touches = Touches(sheet_corners())
     moves = [heard(k, touches.points[0] + [0.2 * k, 0.0, 0.0], int(k == 59)) for k in range(60)]
     with pytest.raises(DeviceError, match=r"moved by 5\.9 mm while point 1 was touched"):
-        touches.hear(moves)
-    assert touches.hear([heard(150.0 + k, touches.points[0], k) for k in (0, 1)])
+        touches.add(moves)
+    assert touches.add([heard(150.0 + k, touches.points[0], k) for k in (0, 1)])
 
 
 def test_points_on_a_line_are_not_asked_for() -> None:

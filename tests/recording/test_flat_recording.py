@@ -15,7 +15,7 @@ import pytest
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.device.sample import DIP
 from paint3d.errors import RecordingError
-from paint3d.painter.flat_input import dipped
+from paint3d.painter.flat_input import add_dips
 from paint3d.recording import number_table, recording
 from paint3d.recording.flat_recording import (
     MM_PER_PIXEL,
@@ -535,10 +535,10 @@ def test_a_pad_that_knows_no_ink_is_dipped_before_every_stroke():
         pressure,
         np.array([1, 1, 0, 0, 1, 0], np.int32),
     )
-    marked = dipped(recording)
+    marked = add_dips(recording)
     assert marked.buttons.tolist() == [1, 1, 0, DIP, 1, 0]
     assert recording.buttons.tolist() == [1, 1, 0, 0, 1, 0]
-    assert dipped(marked) is marked
+    assert add_dips(marked) is marked
 
 
 # -- tables of numbers -------------------------------------------------------------------------

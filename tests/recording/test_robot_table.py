@@ -10,7 +10,7 @@ import pytest
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.device.recorded import MAX_FORCE_N, Recording
 from paint3d.errors import InputError, RecordingError
-from paint3d.painter.pose_check import rooted
+from paint3d.painter.pose_check import fit_to_tuft
 from paint3d.recording.flat_recording import notes_of
 from paint3d.recording.recording import load_recording
 
@@ -202,4 +202,4 @@ def test_a_tufts_length_that_is_none_is_refused(length) -> None:
         [0], [[0.0, 0.0, 35.0]], [[1.0, 0.0, 0.0, 0.0]], header={"tuft_mm": length}
     )
     with pytest.raises(InputError, match="tuft_mm is"):
-        rooted(recording, 52.0)
+        fit_to_tuft(recording, 52.0)

@@ -1,4 +1,4 @@
-"""``python -m tests.support.apart HAIRS``: paint with kernels that look at what they are handed.
+"""``python -m tests.support.apart HAIRS``: paint with kernels that check arrays for overlap.
 
 A stroke is painted by the brush engine's kernels in plain Python. Those that promise that their
 arrays lie apart look whether they do. Prints their names, those that have been called.
@@ -25,7 +25,7 @@ called: set[str] = set()
 
 
 def arrays_in(value: Any, name: str) -> Iterator[tuple[str, np.ndarray]]:
-    """All arrays of an argument, with their names."""
+    """Yield all arrays of an argument, with their names."""
     if isinstance(value, np.ndarray):
         yield name, value
     elif isinstance(value, tuple):
@@ -34,7 +34,7 @@ def arrays_in(value: Any, name: str) -> Iterator[tuple[str, np.ndarray]]:
 
 
 def looking(function: Callable[..., Any]) -> Callable[..., Any]:
-    """The function, which first sees that the arrays that it takes lie apart."""
+    """Wrap a function to assert first that its arrays do not overlap."""
     code = function.__code__
     names = code.co_varnames[: code.co_argcount]
 

@@ -11,7 +11,7 @@ __all__ = ["long_but"]
 
 
 def long_but(kept: Iterable[Any], cases: Iterable[Any]) -> list[Any]:
-    """All cases, of which only some are run every time; the others by ``scripts/check --long``."""
+    """Mark all cases as long but those kept, which are run every time."""
     kept, cases = list(kept), list(cases)
     assert all(case in cases for case in kept), "some that is kept is no case"
     return [

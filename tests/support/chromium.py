@@ -87,7 +87,7 @@ class Browser:
             time.sleep(0.05)
 
     def complaints(self) -> list[str]:
-        """What the page wrote to its console as errors, and what it did not catch."""
+        """Errors on the page's console, and exceptions that it did not catch."""
         self.evaluate("0")
         said = []
         for one in self.heard:
@@ -123,7 +123,7 @@ class Browser:
     def stroke(
         self, way: list[tuple[float, float, float]], *, lifts: bool = True, **words: Any
     ) -> None:
-        """Let a pen press, go along places (x, y) with forces, and be lifted."""
+        """Press a pen, move it along points (x, y) with forces, and lift it."""
         pointer = {"pointerType": "pen", "button": "left", "buttons": 1, "clickCount": 1} | words
         kinds = ["mousePressed", *["mouseMoved"] * (len(way) - 1)]
         asked = [

@@ -1,4 +1,4 @@
-"""What whole codes of sRGB cost in comparisons of colours."""
+"""Error of 8-bit sRGB in comparisons of colours."""
 
 from __future__ import annotations
 

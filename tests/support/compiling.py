@@ -26,7 +26,7 @@ _LOOK_S = 0.02  # between two looks at whether another process is done
 
 
 def compile_each_kernel_once() -> None:
-    """Have this process wait where another compiles the kernel that it needs.
+    """Make this process wait where another compiles the kernel that it needs.
 
     A kernel is locked by a byte of one file. What a kernel calls is compiled, and locked, within
     it; no kernel calls one that calls it, so nobody waits in a circle. Only the thread that needs
@@ -66,7 +66,7 @@ def _keeping_all() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _locked(file: int, byte: int) -> Iterator[bool]:
-    """Whether no other process holds this byte; if so, it is ours within."""
+    """Try to lock this byte within the block; yield whether no other process has it."""
     try:
         fcntl.lockf(file, fcntl.LOCK_EX | fcntl.LOCK_NB, 1, byte)
     except OSError:

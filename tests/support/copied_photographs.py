@@ -51,7 +51,7 @@ _EM_MM, _RESOLUTION_MM, _TRIALS = 40.0, 0.15, 2
 
 @dataclass(frozen=True)
 class _Row:
-    """One photograph's figures."""
+    """Figures of one photograph."""
 
     name: str
     dry: bool

@@ -51,7 +51,7 @@ _REACH = 0.15  # ems that the chart goes beyond the em square: there the handle 
 
 @dataclass(frozen=True)
 class Desk:
-    """What is written on, with what, how large.
+    """Object, brush and size that characters are written with.
 
     Attributes
     ----------
@@ -95,7 +95,7 @@ class Desk:
 
 @dataclass(frozen=True, eq=False)
 class Copy:
-    """One character, written and compared.
+    """A character, written and compared.
 
     Attributes
     ----------
@@ -169,7 +169,7 @@ def _wanted(glyph: Glyph, em_mm: float) -> NDArray[np.bool_]:
 
 
 def _recorded(motion: Motion, hand: HandMotion, desk: Desk) -> Recording:
-    """All that the painter gets to know."""
+    """Return what the painter gets to know of it."""
     return Recording(
         np.round(motion.time_s * 1e9).astype(np.int64),
         hand.position,
@@ -181,7 +181,7 @@ def _recorded(motion: Motion, hand: HandMotion, desk: Desk) -> Recording:
 
 
 def _darkness(surface: PaintedSurface) -> NDArray[np.float32]:
-    """From the ground, 0, to the full ink, 1, in the linear light of the exported colours."""
+    """Compute darkness from ground, 0, to full ink, 1, in linear light of exported colours."""
     surface.refresh()
     light = decode_srgb(surface.srgb) @ np.linalg.inv(RGB_FROM_XYZ)[1]
     ground, ink = light.max(), np.median(light[surface.coverage >= 1.0])

@@ -14,7 +14,7 @@ SPACENAVIGATOR = bytes.fromhex(
 
 
 def item(tag: int, value: int, signed: bool = False) -> bytes:
-    """One short item with the smallest payload that holds the value."""
+    """Encode a short item with the smallest payload that holds the value."""
     for code, n in ((1, 1), (2, 2), (3, 4)):
         try:
             return bytes([tag | code]) + value.to_bytes(n, "little", signed=signed)
@@ -65,14 +65,14 @@ def buttons(n: int, padded_to: int) -> bytes:
 
 
 def split_mouse(n_buttons: int = 15) -> bytes:
-    """As the older models: translation in report 1, rotation in report 2."""
+    """Describe a mouse of an older model: translation in report 1, rotation in report 2."""
     body = report_id(1) + field(1, AXES[:3], 16, -350, 350)
     body += report_id(2) + field(1, AXES[3:], 16, -350, 350)
     return collection(1, 8, body + report_id(3) + buttons(n_buttons, 32) + LIGHT)
 
 
 def combined_mouse(n_buttons: int = 31) -> bytes:
-    """As the newer models: all six axes in report 1."""
+    """Describe a mouse of a newer model: all six axes in report 1."""
     body = report_id(1) + field(1, AXES, 16, -350, 350)
     return collection(1, 8, body + report_id(3) + buttons(n_buttons, 32) + LIGHT)
 

@@ -1,4 +1,4 @@
-"""How many examples a property test tries where each costs much."""
+"""Number of examples of property tests that are slow."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _LEAST = 5
 
 
 def examples(n: int) -> int:
-    """Of so many examples a fifth, the same every time, but five at least; all with --long.
+    """Reduce a number of examples to a fifth, the same every time, at least five; all with --long.
 
     Not of laws that nothing is lost, of ink or of files: they are tried on all every time.
     """

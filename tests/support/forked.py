@@ -27,7 +27,7 @@ LIMIT_S = 600.0
 
 
 def forkserver() -> ForkServerContext:
-    """What starts such processes; the one that they are forked from is started once."""
+    """Return the context of the fork server, which is started once."""
     context = multiprocessing.get_context("forkserver")
     context.set_forkserver_preload(_PRELOADED)
     return context

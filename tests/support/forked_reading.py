@@ -60,7 +60,7 @@ def _be_the_child(request: dict[str, Any], file: Any, environment: dict[str, str
 
 
 class _Forked:
-    """What `sandbox` asks of a `subprocess.Popen`."""
+    """The part of `subprocess.Popen` that `sandbox` uses."""
 
     def __init__(self, request: dict[str, Any], environment: dict[str, str]) -> None:
         handed = _Handed(request["file"])
@@ -90,7 +90,7 @@ class _Forked:
 
 
 def _usual(command: list[str]) -> dict[str, Any] | None:
-    """What a child is asked for with the limits of every day, in our own surroundings."""
+    """Return whether a child is wanted with the usual limits, in our own environment."""
     *begin, said, path = command
     request: dict[str, Any] = json.loads(said)
     limited = request["memory"] == _MEMORY and request["seconds"] in _SECONDS
@@ -99,7 +99,7 @@ def _usual(command: list[str]) -> dict[str, Any] | None:
 
 
 def _kind(request: dict[str, Any]) -> tuple[object, ...]:
-    """What decides which packages read a file."""
+    """Return what decides which packages read a file."""
     path = Path(os.fsdecode(bytes.fromhex(request["path"])))
     packed: set[bytes] = set()
     with suppress(OSError):
@@ -110,7 +110,7 @@ def _kind(request: dict[str, Any]) -> tuple[object, ...]:
 
 @contextmanager
 def reading_by_forks() -> Iterator[None]:
-    """Have files read by forks, all but the first of each kind."""
+    """Read files in forks, all but the first of each kind."""
     seen: set[tuple[object, ...]] = set()
 
     def start(command: list[str], **how: Any) -> subprocess.Popen[bytes] | _Forked:

@@ -1,4 +1,4 @@
-"""How well strokes found in a shape agree with the strokes that it was made of."""
+"""Agreement of strokes found in a shape with the strokes that it was made of."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ _LISTED_DOT = 0.15  # of the greater side of its letter: the same of the table's
 
 @dataclass(frozen=True)
 class Found:
-    """What was found of the strokes of a shape.
+    """Comparison of the strokes found in a shape with the true ones.
 
     Attributes
     ----------
@@ -90,7 +90,7 @@ def _same_way(line: np.ndarray, other: np.ndarray, short: float) -> bool:
 
 @dataclass(frozen=True)
 class AsListed:
-    """How a letter's strokes agree with a table of ductus.
+    """Agreement of a letter's strokes with a table of ductus.
 
     Attributes
     ----------
@@ -108,7 +108,7 @@ class AsListed:
 
     @property
     def agrees(self) -> bool:
-        """Whether all that have one of the table are in its order and direction."""
+        """True if all strokes with a match in the table are in its order and direction."""
         return self.direction == 1.0 and not self.tau < 1.0 - 1e-9
 
 
@@ -132,7 +132,7 @@ def as_listed(strokes: Sequence[GlyphStroke], *forms: Sequence[GlyphStroke]) -> 
 def _paired(
     lines: Sequence[np.ndarray], table: list[np.ndarray]
 ) -> tuple[float, list[np.ndarray], list[tuple[int, int]]]:
-    """How far strokes are from a table's, whatever their direction; the table; and the pairs."""
+    """Pair strokes with a table's: distances in either direction, the table, and the pairs."""
     away = np.array([[min(_apart(a, b), _apart(a[::-1], b)) for b in table] for a in lines])
     rows, columns = linear_sum_assignment(away)
     one, two = np.concatenate(lines), np.concatenate(table)
@@ -169,7 +169,7 @@ def _same_course(line: AnyArray, other: AnyArray) -> bool:
 
 
 def _along(one: AnyArray, two: AnyArray) -> float:
-    """How far two lines are from each other where each is gone along at any pace (time warping).
+    """Measure the distance of two lines by time warping.
 
     At an even pace a bow with a swash before it is nearer to the same bow gone backwards.
     """

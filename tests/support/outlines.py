@@ -38,14 +38,14 @@ def lift_off(tuft: Tuft, begins: float = 0.3, length_mm: float = 20.0) -> tuple[
 
     From place 0 on the press falls evenly from a share of the full one to nothing.
     """
-    places = np.arange(-2.0 * tuft.length, length_mm + 2.0, 0.02)
-    widths = np.zeros_like(places)
+    positions = np.arange(-2.0 * tuft.length, length_mm + 2.0, 0.02)
+    widths = np.zeros_like(positions)
     reach, half = outline_of(tuft, begins * tuft.full_press)
-    before = places <= 0.0 - reach[half.argmax()]
+    before = positions <= 0.0 - reach[half.argmax()]
     widths[before] = half.max()
-    for share in np.linspace(0.0, 1.0, 2000):
-        reach, half = outline_of(tuft, begins * tuft.full_press * (1.0 - share))
+    for fraction in np.linspace(0.0, 1.0, 2000):
+        reach, half = outline_of(tuft, begins * tuft.full_press * (1.0 - fraction))
         if len(reach):
-            passed = np.interp(places, length_mm * share - reach, half, left=0.0, right=0.0)
+            passed = np.interp(positions, length_mm * fraction - reach, half, left=0.0, right=0.0)
             np.maximum(widths, passed, out=widths)
-    return places, widths
+    return positions, widths

@@ -64,7 +64,7 @@ _REACH = 0.08  # ems that the chart goes beyond the ink
 
 @dataclass(frozen=True)
 class PageDesk:
-    """What pieces are written on, with what, how large; as `tests.support.copybook.Desk`."""
+    """Object, brush and size that pieces are written with; as `tests.support.copybook.Desk`."""
 
     em_mm: float = 100.0
     on: str = "plane"
@@ -80,7 +80,7 @@ class PageDesk:
 
 @dataclass(frozen=True, eq=False)
 class PieceCopy:
-    """One piece, written and compared.
+    """A piece, written and compared.
 
     Attributes
     ----------

@@ -38,7 +38,7 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class TrueSheet:
-    """What is on a sheet: ink 0 to 1, the strokes' whole shapes, the red of seals 0 to 1.
+    """Truth about a sheet: ink 0 to 1, the strokes' whole shapes, the red of seals 0 to 1.
 
     And what share of the light its ink takes, of that which black ink takes; 1 off the strokes.
     """
@@ -51,7 +51,7 @@ class TrueSheet:
 
 @dataclass(frozen=True)
 class Camera:
-    """How a sheet is photographed; every number is a strength, 1 about the usual."""
+    """Conditions of a photograph; every number is a strength, 1 about the usual."""
 
     size: int = 1500
     perspective: float = 1.0
@@ -248,7 +248,7 @@ def _paper(height: int, width: int, rng: np.random.Generator) -> AnyArray:
 def _corners(
     width: int, height: int, camera: Camera, rng: np.random.Generator
 ) -> tuple[AnyArray, tuple[int, int]]:
-    """Where the sheet's corners are seen, and the picture's height and width."""
+    """Project the sheet's corners; return them and the picture's height and width."""
     if camera.fills:
         scale = camera.size / max(width, height)
         size = round(height * scale), round(width * scale)
@@ -315,7 +315,7 @@ def _light(size: tuple[int, int], camera: Camera, rng: np.random.Generator) -> A
 
 @dataclass(frozen=True)
 class Judged:
-    """How near what was found on a photograph is to what is there."""
+    """Agreement of what was found on a photograph with the truth."""
 
     corners: float  # the worst, shares of a mean side
     ink_iou: float

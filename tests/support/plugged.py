@@ -19,7 +19,7 @@ _PROBE = "import gi; gi.require_version('UMockdev', '1.0'); from gi.repository i
 
 @dataclass(frozen=True)
 class Outcome:
-    """What the program printed as JSON, its messages, and what it sent to each device."""
+    """The program's JSON output, its messages, and reports sent to each device."""
 
     said: object
     stdout: str
@@ -75,7 +75,7 @@ def plugged(umockdev, tmp_path):
 
 
 def device(vid: int, pid: int, name: str, descriptor: bytes, script: list, **more) -> dict:
-    """One device of a scenario."""
+    """Describe one device of a scenario."""
     return {
         "vid": vid,
         "pid": pid,

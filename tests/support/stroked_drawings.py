@@ -48,7 +48,7 @@ class Drawing:
 
 @dataclass(frozen=True)
 class Read:
-    """How a drawing was read.
+    """Result of reading a drawing.
 
     Attributes
     ----------
@@ -383,7 +383,7 @@ def _on_the_page(lines: list[AnyArray], found: list[AnyArray]) -> list[NDArray[n
 
 
 def _off(line: AnyArray, true: AnyArray) -> tuple[float, float]:
-    """How far a stroke is from a true one at most, along it and against it.
+    """Measure the greatest distance of a stroke from a true one, along it and against it.
 
     What closes is led over its beginning, and counts as far as the true one goes.
     """

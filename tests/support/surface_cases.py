@@ -221,7 +221,7 @@ def painted_area(painter: Painter, where: NDArray | None = None) -> float:
 
 @dataclass(frozen=True)
 class Case:
-    """What a press left: areas in mm2, `astray` of it where nothing may be; share of ink lost."""
+    """Result of a press: areas in mm2, `astray` of it where none may be; fraction of ink lost."""
 
     name: str
     footprint: float

@@ -44,7 +44,7 @@ DISCARD, SPEED = 0x550B, 0x551F
 
 
 class Device:
-    """One device of the scenario: how it is described, and what was sent to it."""
+    """One device of the scenario: its description, and reports sent to it."""
 
     def __init__(self, number: int, spec: dict) -> None:
         self.number = number

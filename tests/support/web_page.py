@@ -1,4 +1,4 @@
-"""The studio as a page: its data decoded, its scripts built, its paintings compared."""
+"""The studio as a page: its data decoded, its scripts built, its paintings and devices."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ import json
 import os
 import shutil
 import subprocess
+import warnings
 from functools import cache
 from pathlib import Path
 from typing import Any
 
+import hid_parser
 import numpy as np
 import pytest
 
@@ -19,7 +21,14 @@ from paint3d.core.arrays import AnyArray
 from paint3d.surface.painted_surface import PaintedSurface
 from tools.kernels.building import is_built
 
-__all__ = ["built_page", "decoded_bundle", "hashes_of", "replay_script", "why_no_kernels"]
+__all__ = [
+    "as_a_browser_has_it",
+    "built_page",
+    "decoded_bundle",
+    "hashes_of",
+    "replay_script",
+    "why_no_kernels",
+]
 
 WEB = Path(__file__).parents[2] / "web"
 
@@ -56,7 +65,7 @@ def _run_vite(*words: str) -> None:
 
 
 def hashes_of(surface: PaintedSurface) -> dict[str, Any]:
-    """What a page says of its painting."""
+    """Hash a painting as the page does."""
     arrays = {"srgb": surface.srgb, "amounts": surface.amounts, "coverage": surface.coverage}
     hashes = {
         name: hashlib.sha256(np.ascontiguousarray(array).tobytes()).hexdigest()
@@ -82,3 +91,33 @@ def decoded_bundle(path: Path) -> tuple[dict[str, Any], dict[str, AnyArray]]:
                 numbers[start::lag] = np.cumsum(numbers[start::lag], dtype=numbers.dtype)
         arrays[name] = numbers.view(dtype).reshape(place["shape"])
     return head["words"], arrays
+
+
+# ---- Devices -------------------------------------------------------------------------------------
+
+
+def as_a_browser_has_it(descriptor: bytes) -> list[dict[str, Any]]:
+    """The collections of WebHID, by somebody else's parser: numbers alike stand in one item."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        parsed = hid_parser.ReportDescriptor(list(descriptor))
+    reports = []
+    for number in parsed.input_report_ids:
+        items: list[dict[str, Any]] = []
+        for one in parsed.get_input_items(number):
+            usage = getattr(one, "usage", None)
+            item = {
+                "isConstant": usage is None, "isArray": False, "isRange": False,
+                "reportSize": int(one.size), "reportCount": 1,
+                "logicalMinimum": getattr(one, "logical_min", 0),
+                "logicalMaximum": getattr(one, "logical_max", 0),
+                "usages": [] if usage is None else [int(usage.page) << 16 | int(usage.usage)],
+            }  # fmt: skip
+            same = [key for key in item if key not in ("reportCount", "usages")]
+            if items and all(items[-1][key] == item[key] for key in same):
+                items[-1]["reportCount"] += 1
+                items[-1]["usages"] += item["usages"]
+            else:
+                items.append(item)
+        reports.append({"reportId": number, "items": items})
+    return [{"usagePage": 1, "usage": 8, "type": 1, "children": [], "inputReports": reports}]

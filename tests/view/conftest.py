@@ -11,7 +11,7 @@ import pytest
 from paint3d.core.arrays import AnyArray
 from paint3d.view import picture
 from paint3d.view.daylight import Occluder
-from tests.support.lights import by_few_lights
+from tests.support.less_work import by_few_lights
 
 _KEPT = 2  # of 40 MB each
 

@@ -131,7 +131,7 @@ def test_a_sheet_lies_flat_and_fills_the_frame(tmp_path):
 def test_without_a_display_it_is_silent_and_the_same(tmp_path, tmp_path_factory):
     path = tmp_path / "a.png"
     code = (
-        "from tests.view.test_view_picture import *\nfrom tests.support.lights import *\n"
+        "from tests.view.test_view_picture import *\nfrom tests.support.less_work import *\n"
         f"with by_few_lights(): render_picture(*inked_ball(), {str(path)!r}, size=SIZE)"
     )
     command = [sys.executable, "-c", code]

@@ -70,11 +70,11 @@ class Part:
     groups: list[dict[str, Entry]]  # by the names of their functions of C
 
     def steps(self, processors: list[str]) -> int:
-        """How often its process says that it got on: see `part.compile_part`."""
+        """Count the progress messages of its process: see `part.compile_part`."""
         return sum(map(len, self.groups)) + 1 + len(self.groups) * len(processors)
 
     def stamp(self) -> str:
-        """The hash of all that it is made from."""
+        """Hash all that it is compiled from."""
         sources = {source for group in self.groups for e in group.values() for source in _of(e)}
         made_from = [
             repr(self.groups),
@@ -91,22 +91,22 @@ def _of(entry: Entry) -> list[str]:
 
 
 def parts(architecture: str) -> list[Part]:
-    """All entries of the table that an architecture has, in their parts."""
-    waiting = {}
+    """List the entries of the table for an architecture, by part."""
+    remaining = {}
     for entry in read_table().entries:
         symbol = f"paint3d_{entry.module.replace('.', '_')}_{entry.name}"
-        count = sum(name.startswith(symbol) for name in waiting)
+        count = sum(name.startswith(symbol) for name in remaining)
         if entry.module.startswith(_ROOMS.get(architecture, ("",))):
-            waiting[f"{symbol}_{count}"] = entry
-    found = []
+            remaining[f"{symbol}_{count}"] = entry
+    all_parts = []
     for name, rooms in _PARTS.items():
         groups = []
-        for begins in rooms:
-            group = {s: e for s, e in waiting.items() if e.module.startswith(begins)}
-            waiting = {s: e for s, e in waiting.items() if s not in group}
+        for prefix in rooms:
+            group = {s: e for s, e in remaining.items() if e.module.startswith(prefix)}
+            remaining = {s: e for s, e in remaining.items() if s not in group}
             groups.append(group)
-        found.append(Part(name, groups))
-    return found
+        all_parts.append(Part(name, groups))
+    return all_parts
 
 
 def _stamps(processors: list[str]) -> dict[str, Any]:
@@ -119,7 +119,7 @@ def _stamps(processors: list[str]) -> dict[str, Any]:
 
 
 def is_built(processors: list[str], folder: Path = FOLDER) -> bool:
-    """Whether the library is there, made from all as it is now."""
+    """Return whether the library exists and is up to date."""
     try:
         index = json.loads((folder / _INDEX).read_text("utf-8"))
         names = [*filter(None, [index["caller"]]), *index["code"].values()]
@@ -134,7 +134,7 @@ def build(
     folder: Path = FOLDER,
     say: Callable[[int, int], None] = lambda done, of: None,
 ) -> None:
-    """Build what is not there or stale.
+    """Build what is missing or out of date.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def _part_folder(part: Part, processors: list[str]) -> str:
 
 
 def _compile(part: Part, processors: list[str], place: Path, say: Callable[[], None]) -> None:
-    """Compile a part in a process of its own, which writes a line whenever it got on."""
+    """Compile a part in a process of its own, which writes a line at every step."""
     place.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=place.parent, prefix=f"{part.name}-") as work:
         words = ["--part", part.name, "--into", work, "--for", *processors]
@@ -230,15 +230,15 @@ def _compile(part: Part, processors: list[str], place: Path, say: Callable[[], N
                 say()
             if run.wait():
                 errors.seek(0)
-                said = errors.read()[-2000:]
-                raise BuildError(f"kernels of {part.name} cannot be compiled:\n{said}")
+                output = errors.read()[-2000:]
+                raise BuildError(f"kernels of {part.name} cannot be compiled:\n{output}")
         if not place.is_dir():  # another may have made it meanwhile
             Path(work).rename(place)
             Path(work).mkdir()  # for the folder's own end
 
 
 def _link(processor: str, places: list[Path], work: Path) -> str:
-    """Make the shared library for a processor; its name."""
+    """Link the shared library for a processor; return its name."""
     objects = [path for place in places for path in sorted(place.glob(f"*-{processor}.o"))]
     if architecture_of(processor) == "wasm32":
         return link_wasm(objects, [*places], work)
@@ -254,7 +254,7 @@ def _link(processor: str, places: list[Path], work: Path) -> str:
 
 
 def link_wasm(objects: list[Path], places: list[Path], work: Path) -> str:
-    """Make the module of WebAssembly, with zig's C library; its name.
+    """Link the WebAssembly module, with zig's C library; return its name.
 
     Parameters
     ----------
@@ -285,7 +285,7 @@ def link_wasm(objects: list[Path], places: list[Path], work: Path) -> str:
 
 
 def _find_zig() -> list[str]:
-    """The words that call zig, whose package is an extra."""
+    """Return the command line of zig, whose package is an extra."""
     if importlib.util.find_spec("ziglang") is None:
         raise BuildError("ziglang is missing: pip install 'paint3d[page]'")
     return [sys.executable, "-m", "ziglang"]
@@ -318,14 +318,14 @@ def _run_compiler(compiler: list[str], *words: str | Path) -> None:
 
 
 def _index(
-    places: dict[str, Path], stamps: dict[str, Any], caller: str | None, code: dict[str, str]
+    folders: dict[str, Path], stamps: dict[str, Any], caller: str | None, code: dict[str, str]
 ) -> dict[str, Any]:
-    """What `paint3d.core.kernel_library` reads."""
+    """Make the index that `paint3d.core.kernel_library` reads."""
     sources: dict[str, int] = {}
     kernels: dict[str, Any] = {}
     architecture = architecture_of(next(iter(code)))
     for part in parts(architecture):
-        described = json.loads((places[part.name] / "entries.json").read_text("utf-8"))
+        described = json.loads((folders[part.name] / "entries.json").read_text("utf-8"))
         for group in part.groups:
             for symbol, entry in group.items():
                 made_from = [sources.setdefault(path, len(sources)) for path in _of(entry)]
@@ -343,7 +343,7 @@ def _index(
 
 
 def _drop_old(folder: Path, keep: set[str]) -> None:
-    """Delete what earlier runs have left; programs that run keep what they have loaded."""
+    """Delete files of earlier builds; running programs keep what they have loaded."""
     for path in folder.iterdir():
         if path.name not in keep and not path.name.startswith("building-"):
             shutil.rmtree(path) if path.is_dir() else path.unlink(missing_ok=True)

@@ -1,4 +1,4 @@
-"""See that the table says what the sources say, before anything is compiled."""
+"""Check of the table against the sources, before anything is compiled."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ __all__ = ["checked_table"]
 
 
 def checked_table(path: Path = TABLE) -> Table:
-    """Read a table, and look up all that it names; nothing is compiled.
+    """Read a table and check all that it names; nothing is compiled.
 
     Raises
     ------
@@ -45,7 +45,7 @@ def checked_table(path: Path = TABLE) -> Table:
 
 
 def _entry_faults(entry: Entry) -> Iterator[str]:
-    kernel = _found(f"{entry.module}.{entry.name}")
+    kernel = _resolve(f"{entry.module}.{entry.name}")
     if isinstance(kernel, str):
         yield kernel
     elif not hasattr(kernel, "py_func"):
@@ -53,35 +53,35 @@ def _entry_faults(entry: Entry) -> Iterator[str]:
     else:
         names = tuple(inspect.signature(kernel.py_func).parameters)
         if names != tuple(entry.takes):
-            got = _listed(entry.takes)
-            yield f"{entry.kernel}: expected {_listed(names)}, as it takes, got {got}"
+            got = _format_names(entry.takes)
+            yield f"{entry.kernel}: expected {_format_names(names)}, as it takes, got {got}"
     yield from (fault for part in entry.takes.values() for fault in _record_faults(part))
 
 
 def _tuple_faults(of: Row) -> Iterator[str]:
-    kind = _found(of.of)
+    kind = _resolve(of.of)
     if isinstance(kind, str):
         yield kind
     elif not hasattr(kind, "_fields"):
         yield f"paint3d.{of.of} is no named tuple"
     elif kind._fields != of.names:
-        got = _listed(of.names)
-        yield f"paint3d.{of.of}: expected {_listed(kind._fields)}, as it has, got {got}"
+        got = _format_names(of.names)
+        yield f"paint3d.{of.of}: expected {_format_names(kind._fields)}, as it has, got {got}"
     yield from (fault for part in of.parts for fault in _record_faults(part))
 
 
 def _record_faults(part: Number | Array | Row) -> Iterator[str]:
-    """What is wrong with an array of records; tuples of the table have lines of their own."""
+    """Yield the faults of an array of records; tuples have lines of their own in the table."""
     if isinstance(part, Array) and "." in part.dtype:
-        constant = _found(part.dtype)
+        constant = _resolve(part.dtype)
         if isinstance(constant, str):
             yield constant
         elif not isinstance(constant, np.dtype) or dtype_of(part).names is None:
             yield f"paint3d.{part.dtype} is no dtype of records"
 
 
-def _found(of: str) -> object:
-    """What a name stands for; or, as text, that it stands for nothing."""
+def _resolve(of: str) -> object:
+    """Resolve a name; return the object, or the fault as text."""
     try:
         return resolve(of)
     except (ImportError, AttributeError) as error:
@@ -103,5 +103,5 @@ def _unused(table: Table) -> Iterator[tuple[int, str]]:
             yield of.line, f"paint3d.{of.of} is taken by no kernel"
 
 
-def _listed(names: object) -> str:
+def _format_names(names: object) -> str:
     return f"({', '.join(names)})"

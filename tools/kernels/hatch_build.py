@@ -37,11 +37,11 @@ class KernelsHook(BuildHookInterface):
     """
 
     def dependencies(self) -> list[str]:
-        """What compiles: nothing where nothing is to be compiled."""
+        """List the packages to compile with; none for a pure wheel."""
         return [] if os.environ.get(_FOR) == "pure" else self.config["compiler"]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
-        """Build what is stale, into a folder that stays."""
+        """Build what is out of date, into a folder that is kept."""
         places = [self.root, os.environ.get("PYTHONPATH")]  # the latter is how pip gives packages
         surroundings = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, places))}
         words = [sys.executable, "-m", "tools.texts", "--compile"]

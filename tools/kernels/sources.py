@@ -1,4 +1,4 @@
-"""Which sources a kernel is made of: its own, and all of the package that these import."""
+"""Sources that a kernel depends on: its own, and all of the package that these import."""
 
 from __future__ import annotations
 
@@ -17,19 +17,19 @@ _NO_CODE = "paint3d/errors.py"  # exceptions: no machine code depends on one
 
 
 def digest(path: str) -> str:
-    """The hash of a source, by its path from the root."""
+    """Hash a source, by its path from the root."""
     return hashlib.sha256((ROOT / path).read_bytes()).hexdigest()
 
 
 def sources_of(modules: Iterable[str], alone: Iterable[str] = ()) -> list[str]:
-    """Paths from the root of all sources that modules (``paint3d.a.b``) are made of.
+    """List the paths, from the root, of all sources that modules depend on.
 
     Whatever is imported when it is imported counts, used or not: a change that is not seen would
     leave old code running. Not so what makes kernels known to Python, for how they are found
     changes none of them, and the package's own list of public names. Of those `alone` only their
     own source counts.
     """
-    found = {path for module in alone for path in _files_of(module)}
+    own = {path for module in alone for path in _files_of(module)}
     followed: set[str] = set()
     waiting = [*modules]
     while waiting:
@@ -38,11 +38,11 @@ def sources_of(modules: Iterable[str], alone: Iterable[str] = ()) -> list[str]:
                 followed.add(path)
                 if path != _DECORATORS:
                     waiting.extend(_imported(path))
-    return sorted(found | followed)
+    return sorted(own | followed)
 
 
 def _files_of(module: str) -> Iterator[str]:
-    """The file of a module, and those of the packages around it, which are run before it."""
+    """Yield the file of a module, and those of the packages around it."""
     parts = module.split(".")
     for n in range(2, len(parts) + 1):
         base = "/".join(parts[:n])
@@ -53,8 +53,8 @@ def _files_of(module: str) -> Iterator[str]:
 
 @functools.cache
 def _imported(path: str) -> frozenset[str]:
-    """Modules of the package that a source imports; names that may be modules count as such."""
-    found: set[str] = set()
+    """Return the modules of the package that a source imports; names that may be modules count."""
+    modules: set[str] = set()
     waiting: list[ast.stmt] = list(ast.parse((ROOT / path).read_text("utf-8")).body)
     while waiting:
         node = waiting.pop()
@@ -62,13 +62,13 @@ def _imported(path: str) -> frozenset[str]:
             if node.level:
                 raise ValueError(f"{path}: imports by relative names")
             if (node.module or "").split(".")[0] == _PACKAGE:
-                found |= {f"{node.module}.{alias.name}" for alias in node.names}
+                modules |= {f"{node.module}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Import):
-            found |= {alias.name for alias in node.names if alias.name.split(".")[0] == _PACKAGE}
+            modules |= {alias.name for alias in node.names if alias.name.split(".")[0] == _PACKAGE}
         elif isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
             waiting.extend(node.orelse)
         elif not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             waiting.extend(
                 part for part in ast.iter_child_nodes(node) if isinstance(part, ast.stmt)
             )
-    return frozenset(found)
+    return frozenset(modules)

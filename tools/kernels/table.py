@@ -36,7 +36,7 @@ _ARRAY = re.compile(r"([\w.]+)\[(:(?:,:)*)\]")
 
 
 class TableError(ValueError):
-    """A line of the table that says nothing, or not what the source says."""
+    """A line of the table that is malformed, or disagrees with the source."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Entry:
-    """A kernel that Python calls, with what it takes by name."""
+    """A kernel that Python calls, with its arguments by name."""
 
     module: str  # after paint3d.
     name: str
@@ -75,23 +75,23 @@ class Entry:
 
     @property
     def kernel(self) -> str:
-        """Its full name."""
+        """Full name of the kernel."""
         return f"paint3d.{self.module}.{self.name}"
 
     @property
     def modules(self) -> set[str]:
-        """Full names of the modules that it, and records that it takes, are made in."""
+        """Full names of the modules that define the kernel and records among its arguments."""
         named = {of for part in self.takes.values() for of, is_record in _named(part) if is_record}
         return {f"paint3d.{name.rpartition('.')[0]}" for name in {f"{self.module}.", *named}}
 
     @property
     def tuples(self) -> set[str]:
-        """Full names of the modules that say which fields the tuples have that it takes."""
+        """Full names of the modules that define the tuples among its arguments."""
         return {f"paint3d.{of.rpartition('.')[0]}" for of in self.named_tuples}
 
     @property
     def named_tuples(self) -> set[str]:
-        """Dotted names of all tuples that it takes, after paint3d."""
+        """Dotted names of all tuples among its arguments, after paint3d."""
         return {
             of for part in self.takes.values() for of, is_record in _named(part) if not is_record
         }
@@ -99,7 +99,7 @@ class Entry:
 
 @dataclass(frozen=True)
 class Table:
-    """What a table holds, in its order."""
+    """Contents of a table, in its order."""
 
     name: str  # of its file
     tuples: list[Row]
@@ -107,7 +107,7 @@ class Table:
 
 
 def read_table(path: Path = TABLE) -> Table:
-    """Read a table; whether it says what the sources say is not looked at (`checking`).
+    """Read a table; whether it agrees with the sources is not checked here (`checking`).
 
     Raises
     ------
@@ -142,18 +142,18 @@ def read_table(path: Path = TABLE) -> Table:
 
 
 def resolve(of: str) -> Any:
-    """The class, function or constant that a dotted name after ``paint3d.`` stands for."""
+    """Resolve a dotted name after ``paint3d.`` to a class, function or constant."""
     module, _, name = of.rpartition(".")
     return getattr(importlib.import_module(f"paint3d.{module}"), name)
 
 
 def dtype_of(array: Array) -> np.dtype:
-    """The type of an array's elements."""
+    """Return the type of an array's elements."""
     return np.dtype(array.dtype) if array.dtype in _DTYPES else resolve(array.dtype)
 
 
 def _named(part: Number | Array | Row) -> Iterator[tuple[str, bool]]:
-    """The dotted names of named tuples and records in a type, and whether it is a record."""
+    """Yield the dotted names of named tuples and records in a type, and whether it is a record."""
     if isinstance(part, Row):
         if part.of:
             yield part.of, False
@@ -164,7 +164,7 @@ def _named(part: Number | Array | Row) -> Iterator[tuple[str, bool]]:
 
 
 def _lines(text: str) -> Iterator[tuple[int, str]]:
-    """Lines with their numbers, without remarks; those that go on joined."""
+    """Yield lines with their numbers, without comments; continued ones are joined."""
     at, whole = 0, ""
     for number, line in enumerate([*re.sub(r"#.*", "", text).splitlines(), "end"], 1):
         if line[:1].isspace():
@@ -176,7 +176,7 @@ def _lines(text: str) -> Iterator[tuple[int, str]]:
 
 
 def _parts(text: str) -> Iterator[tuple[str, str]]:
-    """Names and what is said of them; without a name what cannot be read."""
+    """Yield names and types; a part that cannot be read has no name."""
     at = 0
     while at < len(text):
         found = _PART.match(text, at)

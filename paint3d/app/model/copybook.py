@@ -430,7 +430,7 @@ class Copybook:
         # the way, not the root: that of a brush that leans is over another character
         path = object_poses(samples[::step])
         runs, n_looked = _split_by_lifts(path, is_over=is_over)
-        nearest = [self._find_character(path.way[first:last]) for first, last in runs]
+        nearest = [self._find_character(path.points[first:last]) for first, last in runs]
         indices = [index for index in nearest if index is not None]
         with self._keeping:
             self._counted[id(stroke)] = counted

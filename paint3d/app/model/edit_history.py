@@ -26,6 +26,8 @@ __all__ = [
     "without_refusals",
 ]
 
+_PAINTS = frozenset({"begin_stroke", "dry", "blot", "press_seal", "merge_layer"})
+"""Commands that need a visible, unlocked layer."""
 
 Turned = tuple[list[AnyArray], ScoreRecorder | None]
 """Vertices (N,) int32 whose colours may have changed, and the recorder of the painting as it is."""
@@ -179,13 +181,13 @@ def first_difference(one: Score, other: Score) -> int:
 
 
 def without_refusals(score: Score, first: int) -> Score:
-    """A score without the strokes and drying that were refused, from an event on.
+    """A score without what a locked or hidden layer refused, from an event on.
 
-    They were for layers that were locked or hidden, which none is meanwhile.
+    While an edited score is played all layers are visible and unlocked: it would be done.
     """
     events = [
-        {"do": "end_stroke"} if not isinstance(event, Recording) and event.get("refused")
-        and event["do"] in ("begin_stroke", "dry") and k >= first else event
+        {"do": "end_stroke"} if k >= first and not isinstance(event, Recording)
+        and event.get("refused") and event["do"] in _PAINTS else event
         for k, event in enumerate(score.events)
     ]  # fmt: skip
     return Score(score.header, tuple(events), score.lines, score.name)

@@ -8,7 +8,7 @@ meet the same ink however they are delivered, and again when their recording is 
 
 from __future__ import annotations
 
-from paint3d.painter.ink_time import PIECE_NS, PIECE_S, pieces_until
+from paint3d.painter.ink_time import INK_STEP_NS, INK_STEP_S, ink_steps_until
 
 __all__ = ["LATE_S", "InkClock"]
 
@@ -33,7 +33,7 @@ class InkClock:
 
     def __init__(self, now_ns: int) -> None:
         self.left_out = 0
-        self._passed = pieces_until(now_ns)  # since the clock's zero
+        self._passed = ink_steps_until(now_ns)  # since the clock's zero
         self._sample_ns = self._arrived_ns = now_ns  # news
         self._knows_hand = False
 
@@ -55,8 +55,8 @@ class InkClock:
             Time steps that pass before it is painted; none before the first sample.
         """
         self._sample_ns, self._arrived_ns = sample_ns, now_ns
-        ended = pieces_until(sample_ns)
-        if not self._knows_hand or ended < self._passed - round(_OTHER_S / PIECE_S):
+        ended = ink_steps_until(sample_ns)
+        if not self._knows_hand or ended < self._passed - round(_OTHER_S / INK_STEP_S):
             self._passed, self._knows_hand = ended, True
         due = max(0, ended - self._passed)
         passed = min(due, most)
@@ -69,7 +69,7 @@ class InkClock:
 
         Of steps that are due, `most` wait for later calls; the rest are skipped.
         """
-        due = max(0, pieces_until(self._hand_ns(now_ns)) - self._passed)
+        due = max(0, ink_steps_until(self._hand_ns(now_ns)) - self._passed)
         late = max(0, due - most)
         self._passed += late + (due > 0)
         self.left_out += late
@@ -77,8 +77,8 @@ class InkClock:
 
     def patience(self, now_ns: int) -> float:
         """Seconds until `wait` has another step, 0 to one step."""
-        left = (self._passed + 1) * PIECE_NS - self._hand_ns(now_ns)
-        return min(max(0.0, left / _NS), PIECE_S)
+        left = (self._passed + 1) * INK_STEP_NS - self._hand_ns(now_ns)
+        return min(max(0.0, left / _NS), INK_STEP_S)
 
     def _hand_ns(self, now_ns: int) -> int:
         """Up to when all input of the hand is known, by its own clock."""

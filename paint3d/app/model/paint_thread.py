@@ -36,7 +36,7 @@ from paint3d.app.model.persistence.recovery_folder import RecoveryFolder, refusa
 from paint3d.brush.spec import BrushSpec
 from paint3d.device.sample import DeviceSample
 from paint3d.errors import Paint3DError, RecordingError, SessionError
-from paint3d.painter.ink_time import LOOKAHEAD, PIECE_S, is_lifted
+from paint3d.painter.ink_time import INK_STEP_S, LOOKAHEAD, is_lifted
 
 CHECKS_ACCESS = bool(os.environ.get("PAINT3D_CHECKS"))
 """Whether it is checked that nobody but the painting thread uses the document, as tests have it."""
@@ -108,7 +108,7 @@ class Pace:
     def most(self, behind_s: float) -> int:
         """Steps that may pass at once when painting lags the hand by so many seconds."""
         available_s = _MOST_BEHIND_S - behind_s
-        if self._piece_s <= _KEEPS_UP * PIECE_S:
+        if self._piece_s <= _KEEPS_UP * INK_STEP_S:
             available_s = max(available_s, _MOST_WORK_S)
         pieces = int(available_s / max(self._piece_s, _SHORTEST_S))
         return max(pieces, 1 if behind_s <= _BESIDE_S else 0)  # or ink would never run again
@@ -610,7 +610,7 @@ class PaintThread:
         rested_s = time.monotonic() - self.last_asked_s
         if rested_s < _LIVELY_S:
             return 0
-        most_s = PIECE_S * (self._pace.most(0.0) // 2)
+        most_s = INK_STEP_S * (self._pace.most(0.0) // 2)
         return round(1e9 * min(_PORTION * rested_s, _LARGEST_S, most_s))
 
     def _delivered_ns(self) -> int:
@@ -703,7 +703,7 @@ def _set_progress(document: Document, progress: Callable[[float], None] | None) 
 
 def _ink_job(came: float) -> _Job:
     """A job that lets time pass for the ink."""
-    return _make_job(came, _FOLLOW, PIECE_S)
+    return _make_job(came, _FOLLOW, INK_STEP_S)
 
 
 def _make_job(came: float, command: str, *arguments: object) -> _Job:

@@ -18,8 +18,8 @@ from paint3d.core.arrays import as_number
 from paint3d.device.recorded import Recording
 from paint3d.device.sample import DIP, ERASER, DeviceSample
 from paint3d.errors import InputError, Message, RecordingError, SessionError
-from paint3d.painter.ink_time import PIECE_NS
-from paint3d.painter.recorded_tools import told_at
+from paint3d.painter.ink_time import INK_STEP_NS
+from paint3d.painter.recorded_tools import changes_at
 from paint3d.pose.brush_pose import contacts_of
 from paint3d.surface.painted_surface import PaintedSurface
 
@@ -296,7 +296,7 @@ def _time_shift(end_ns: int, begin_ns: int, shift: int) -> int:
     """
     if begin_ns + shift > end_ns:
         return shift
-    return -((begin_ns - end_ns - _PAUSE_NS) // PIECE_NS) * PIECE_NS
+    return -((begin_ns - end_ns - _PAUSE_NS) // INK_STEP_NS) * INK_STEP_NS
 
 
 def recording_of(samples: Sequence[DeviceSample], header: Mapping[str, object]) -> Recording:
@@ -347,7 +347,7 @@ def _read_stroke(recording: Recording, brushes: Mapping[str, Mapping[str, Any]])
         words = brushes.get(name)
         brush = load_brush(name, own_files=False) if words is None else brush_from_words(words)
         ink = {str(k): float(w) for k, w in header["parts"].items()}
-        loads, strengths = told_at(header, recording.time_ns)
+        loads, strengths = changes_at(header, recording.time_ns)
         return Stroke(
             float(header["time_s"]), brush, ink, str(header["layer"]), bool(header["dipped"]),
             DipAmount.of(header.get("dip", {})), list(recording.samples()), dict(header["tags"]),

@@ -46,11 +46,11 @@ class ImagePainter:
         self._held = ink.load.copy(), ink.reservoirs.copy()
         painter.loaded += painter.in_brush()
 
-    def expect(
+    def schedule(
         self, loads: Sequence[tuple[int, float]], strengths: Sequence[tuple[int, float]]
     ) -> None:
-        """See `Painter.expect`."""
-        self._twin.expect(loads, strengths)
+        """See `Painter.schedule`."""
+        self._twin.schedule(loads, strengths)
 
     def advance(
         self, samples: Sequence[DeviceSample], then: Callable[[], None] = lambda: None
@@ -145,13 +145,13 @@ class StrokePainter:
     ) -> None:
         """Begin a stroke with the brush's ink known, or one that erases.
 
-        See `Painter.expect` and `Eraser`.
+        See `Painter.schedule` and `Eraser`.
         """
         self._eraser = Eraser(self._painter.surface) if erase else None
         self._images = [ImagePainter(self._painter, image) for image in self.symmetry.images()]
-        self._painter.expect(loads, strengths)
+        self._painter.schedule(loads, strengths)
         for image in self._images:
-            image.expect(loads, strengths)
+            image.schedule(loads, strengths)
 
     def advance(self, samples: Sequence[DeviceSample]) -> None:
         """Paint samples, in the order of time."""

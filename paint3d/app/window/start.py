@@ -14,7 +14,7 @@ from paint3d.app.window.program import make_program
 from paint3d.app.window.studio import StudioWindow
 from paint3d.app.window.wording import choose_language, say
 from paint3d.app.window.wording import language as spoken
-from paint3d.core.own_folders import stand_in
+from paint3d.core.own_folders import fallback_folder
 from paint3d.haptics.stylus_choice import check_stylus
 from paint3d.pose.mouse_settings import MouseSettings
 
@@ -75,11 +75,11 @@ def run_studio(
         settings = replace(settings, stylus=check_stylus(stylus))
     choose_language(language or settings.language)
     _translate_qt(app)
-    plugged = plug_in_mice(MouseSettings.from_words(settings.mouse))
+    plugged = plug_in_mice(MouseSettings.from_dict(settings.mouse))
     window = StudioWindow(app, settings, plugged=plugged, feel=start_feeling)
     if problem is not None:
         window.workspace.tell(say(problem), state="bad", stays=True)
-    elif (folder := stand_in()) is not None:
+    elif (folder := fallback_folder()) is not None:
         message = say(
             "The home folder cannot be written: settings and recovery data are kept in {folder}",
             folder=folder,

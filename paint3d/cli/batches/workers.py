@@ -16,7 +16,7 @@ from multiprocessing.process import BaseProcess
 from typing import Any
 
 from paint3d.cli.batches.rows import Outcome, Row, run_row
-from paint3d.core.ending import Ends, end_now, holding_interrupts
+from paint3d.core.ending import TerminationHandler, end_now, holding_interrupts
 from paint3d.core.machine import blocking_interrupts, end_with_parent, ignore_interrupts
 
 __all__ = ["run_here"]
@@ -124,7 +124,7 @@ def _serve(connection: Connection[Any, Any], quiet: bool = False) -> None:
         warnings.simplefilter("ignore")
     if quiet:
         logging.getLogger("paint3d").addHandler(logging.NullHandler())
-    with Ends(patience_s=0.0):  # what is being written is removed
+    with TerminationHandler(grace_s=0.0):  # what is being written is removed
         _run_all(connection)
 
 

@@ -24,7 +24,7 @@ __all__ = ["ForceLoop", "ForcePort", "HidForcePort", "SocketForcePort"]
 
 _WAIT_MS = 2
 _NOTHING = (0.0, 0.0, 0.0)
-_LAST_WORD_S = 1.0  # timeout of the last force, for a reader that is slow
+_LAST_FORCE_S = 1.0  # timeout of the last force, for a reader that is slow
 
 
 class ForceLoop(Protocol):
@@ -34,10 +34,10 @@ class ForceLoop(Protocol):
         """Return the force in the device's frame, N, after a pose or a silence."""
 
     def sent(self) -> None:
-        """Called when the force is sent, with time left for bookkeeping."""
+        """Do the bookkeeping of a step whose force has been sent."""
 
     def refused(self) -> None:
-        """Called for a report that cannot be decoded."""
+        """Count a report that cannot be decoded."""
 
     def stopped(self) -> bool:
         """Return whether the loop must end."""
@@ -117,7 +117,7 @@ class SocketForcePort:
             while not loop.stopped():
                 answer(self._read(), self._write, loop)
         finally:
-            self.socket.settimeout(_LAST_WORD_S)
+            self.socket.settimeout(_LAST_FORCE_S)
             with suppress(OSError, DeviceError):
                 self._write(encode_force(_NOTHING))
             self.socket.close()

@@ -24,6 +24,7 @@ __all__ = [
     "PRODUCT_ID",
     "VENDOR_ID",
     "PoseNumbers",
+    "checked_force",
     "decode_force",
     "decode_numbers",
     "decode_pose",
@@ -133,20 +134,27 @@ def encode_force(force: ArrayLike, sequence: int = 0) -> bytes:
     DeviceError
         If the force is not finite or above the device's limit; the caller must limit it.
     """
-    x, y, z = np.asarray(force, np.float64).tolist()
-    squared = x * x + y * y + z * z
-    if not squared <= (MAX_FORCE_N + 1e-6) ** 2:  # negated to catch NaN
-        raise DeviceError(
-            "force is ({x:g}, {y:g}, {z:g}) N; expected at most {most} N",
-            x=x,
-            y=y,
-            z=z,
-            most=MAX_FORCE_N,
-        )
+    x, y, z = checked_force(force, MAX_FORCE_N)
     # int() truncates towards zero: rounding must not exceed the limit.
     return _FORCE.pack(
         _FORCE_ID, int(x * _MILLI), int(y * _MILLI), int(z * _MILLI), sequence & 0xFFFF
     )
+
+
+def checked_force(force: ArrayLike, most: float) -> tuple[float, float, float]:
+    """Return a force (3,), N, as plain numbers.
+
+    Raises
+    ------
+    DeviceError
+        If it is not finite or above `most`, N.
+    """
+    x, y, z = np.asarray(force, np.float64).tolist()
+    if not math.hypot(x, y, z) <= most + 1e-6:  # negated to catch NaN
+        raise DeviceError(
+            "force is ({x:g}, {y:g}, {z:g}) N; expected at most {most} N", x=x, y=y, z=z, most=most
+        )
+    return x, y, z
 
 
 def decode_force(data: bytes) -> tuple[tuple[float, float, float], int]:

@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from paint3d.device.force.force_port import ForceLoop
-from paint3d.device.force.haptic_stylus import PoseNumbers
+from paint3d.device.force.haptic_stylus import PoseNumbers, checked_force
 from paint3d.device.sample import BARREL, DIP, ERASER, StylusReading
 from paint3d.errors import DeviceError
 
@@ -67,7 +67,7 @@ def decode_state(data: bytes | str, time_ns: int = 0) -> Inverse3State:
     Raises
     ------
     DeviceError
-        If it is not JSON, names no Inverse3, or one of its numbers is missing, not a number, not
+        If it is not JSON, lists no Inverse3, or one of its numbers is missing, not a number, not
         finite or out of range.
     """
     if len(data) > _MAX_BYTES:
@@ -84,7 +84,7 @@ def decode_state(data: bytes | str, time_ns: int = 0) -> Inverse3State:
         ) from None
     device = _first(message, "inverse3")
     if device is None:
-        raise DeviceError("the Inverse3 service knows no Inverse3; is it plugged in and awake?")
+        raise DeviceError("the Inverse3 service lists no Inverse3; is it plugged in and awake?")
     device_id = device.get("device_id")
     if not isinstance(device_id, str) or not device_id:
         raise DeviceError(
@@ -114,15 +114,7 @@ def encode_force(device_id: str, force: ArrayLike) -> str:
     DeviceError
         If the force is not finite or above the device's limit; the caller must limit it.
     """
-    x, y, z = np.asarray(force, np.float64).tolist()
-    if not math.hypot(x, y, z) <= MAX_FORCE_N + 1e-6:
-        raise DeviceError(
-            "force is ({x:g}, {y:g}, {z:g}) N; expected at most {most} N",
-            x=x,
-            y=y,
-            z=z,
-            most=MAX_FORCE_N,
-        )
+    x, y, z = checked_force(force, MAX_FORCE_N)
     values = {"x": x, "y": y, "z": z}
     command = {"device_id": device_id, "commands": {"set_cursor_force": {"values": values}}}
     return json.dumps({"inverse3": [command]}, allow_nan=False)
@@ -186,23 +178,31 @@ def _buttons(grip: dict[str, Any]) -> int:
 
 # ---- The port ------------------------------------------------------------------------------------
 
-_FIRST_S, _SILENCE_S = 5.0, 0.002
-_LISTENS_S = 0.25
+_FIRST_S = 5.0
+_PROBE_S = 0.25
 _NOTHING = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
 class Inverse3Port:
-    """A force port of the Inverse3 service at `uri`."""
+    """A force port of the Inverse3 service.
+
+    Parameters
+    ----------
+    uri : str
+    silence_s : float
+        Time without a state after which the loop's force for a silence is sent.
+    """
 
     uri: str = URI
+    silence_s: float = 0.002
 
     def is_served(self) -> bool:
         """Return whether something listens at the service's address."""
         url = urlsplit(self.uri)
         try:
             address = (url.hostname or "localhost", url.port or 80)
-            socket.create_connection(address, _LISTENS_S).close()
+            socket.create_connection(address, _PROBE_S).close()
         except (OSError, ValueError):
             return False
         return True
@@ -224,7 +224,7 @@ class Inverse3Port:
         Raises
         ------
         DeviceError
-            If the service does not run, knows no Inverse3, or closes the connection.
+            If the service does not run, lists no Inverse3, or closes the connection.
         """
         with self._connected() as service:
             state = decode_state(service.recv(timeout=_FIRST_S), time.monotonic_ns())
@@ -267,7 +267,7 @@ class Inverse3Port:
         A silence is answered too, by the loop's force for it. The service's reply to that comes in
         addition to the late state, so all queued states are taken: else the delay would add up.
         """
-        force, timeout = None, _SILENCE_S
+        force, timeout = None, self.silence_s
         while True:
             try:
                 message = service.recv(timeout=timeout)

@@ -34,7 +34,7 @@ _NO_DEVICE = 0xFFFFFFFF
 _MOST_ERRORS = 64
 _DONE, _GO_ON = 0, 1
 _PRIORITY = 0xFFFF
-_PATIENCE_S = 0.05
+_POLL_S = 0.05
 _SILENCE_NS = 1_000_000_000
 _Callback = ctypes.CFUNCTYPE(ctypes.c_uint, ctypes.c_void_p)
 
@@ -126,7 +126,7 @@ class OpenHapticsPort:
             session.read_limit()
             ticket = hd.hdScheduleAsynchronous(callback, None, _PRIORITY)
             hd.hdStartScheduler()
-            while not session.over.wait(_PATIENCE_S):
+            while not session.over.wait(_POLL_S):
                 session.check_alive()
             hd.hdStopScheduler()
             hd.hdUnschedule(ticket)
@@ -207,7 +207,9 @@ def _greatest_force(hd: ctypes.CDLL) -> float:
     most = (ctypes.c_double * 1)()
     hd.hdGetDoublev(_MAX_FORCE, most)
     if not 0.0 < most[0] <= 1000.0:
-        raise DeviceError("OpenHaptics says the greatest force is {first} N", first=most[0])
+        raise DeviceError(
+            "OpenHaptics reports a greatest force of {first} N; expected 0 to 1000", first=most[0]
+        )
     return min(most[0], MAX_FORCE_N)
 
 

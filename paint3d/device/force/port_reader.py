@@ -15,7 +15,7 @@ from paint3d.errors import DeviceError
 __all__ = ["PortReader"]
 
 _NOTHING = (0.0, 0.0, 0.0)
-_MOST = 100_000  # readings to be taken; the oldest are dropped
+_CAPACITY = 100_000  # readings to be taken; the oldest are dropped
 
 
 class PortReader:
@@ -26,7 +26,7 @@ class PortReader:
     port : ForcePort
     name : str
         For messages.
-    patience_s : float
+    timeout_s : float
         How long to wait for the first pose; failures until then are raised.
 
     Attributes
@@ -41,21 +41,21 @@ class PortReader:
         If the port cannot be opened, or stays silent.
     """
 
-    def __init__(self, port: ForcePort, name: str, patience_s: float = 10.0) -> None:
+    def __init__(self, port: ForcePort, name: str, timeout_s: float = 10.0) -> None:
         self.name, self.n_refused = name, 0
         self._port = port
-        self._readings: deque[StylusReading] = deque(maxlen=_MOST)
-        self._spoke, self._stopping = threading.Event(), threading.Event()
+        self._readings: deque[StylusReading] = deque(maxlen=_CAPACITY)
+        self._started, self._stopping = threading.Event(), threading.Event()
         self._failure: DeviceError | None = None
         self._thread = threading.Thread(target=self._run, name="stylus", daemon=True)
         self._thread.start()
-        spoke = self._spoke.wait(patience_s)
-        if self._failure is not None or not spoke:
+        has_started = self._started.wait(timeout_s)
+        if self._failure is not None or not has_started:
             self.stop()
             raise self._failure or DeviceError(
-                "{name} said nothing within {patience_s:g} s; expected it to be awake",
+                "{name} sent nothing within {timeout_s:g} s; expected it to be awake",
                 name=name,
-                patience_s=patience_s,
+                timeout_s=timeout_s,
             )
 
     @property
@@ -80,7 +80,7 @@ class PortReader:
         except Exception as cause:  # it would be lost with the thread
             self._failure = DeviceError("{name} failed: {cause}", name=self.name, cause=repr(cause))
         finally:
-            self._spoke.set()
+            self._started.set()
 
     # -- ForceLoop, called by the port -------------------------------------------------------
 
@@ -90,7 +90,7 @@ class PortReader:
             position, orientation = np.array(pose.position), np.array(pose.orientation)
             time_ns = pose.time_ns or now_ns
             self._readings.append(StylusReading(time_ns, position, orientation, None, pose.buttons))
-            self._spoke.set()
+            self._started.set()
         return _NOTHING
 
     def sent(self) -> None:

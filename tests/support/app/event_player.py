@@ -76,7 +76,7 @@ _surfaces: list[tuple[object, ClosestPoints]] = []  # of the object that was ask
 
 @dataclass(frozen=True)
 class DeviceEvent:
-    """What a device told once.
+    """One event of a device.
 
     Attributes
     ----------
@@ -116,7 +116,7 @@ class DeviceEvent:
 
     @classmethod
     def from_row(cls, row: dict) -> DeviceEvent:
-        """One line of a recording."""
+        """Read an event from a line of a recording."""
         given = {name: tuple(v) if isinstance(v, list) else v for name, v in row.items()}
         place = tuple(given.pop(name) for name in ("x", "y", "z") if name in given)
         return cls(**given, place=place or None)
@@ -124,7 +124,7 @@ class DeviceEvent:
 
 @dataclass(frozen=True)
 class EventRecording:
-    """What devices told while somebody did something.
+    """Events of devices, recorded while somebody did something.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class EventRecording:
 
     @classmethod
     def load(cls, name: str | Path) -> EventRecording:
-        """One of `recordings`, or any file."""
+        """Load one of `recordings`, or any file."""
         path = Path(name) if isinstance(name, Path) else FOLDER / f"{name}.jsonl"
         header, *rows = [json.loads(line) for line in path.read_text("utf-8").splitlines()]
         assert header["format"] == "paint3d device events", path
@@ -262,7 +262,7 @@ def settle(window: StudioWindow, seconds: float = 600.0) -> None:
 
 
 def process(milliseconds: int = 0) -> None:
-    """Let the program see what came."""
+    """Process the events that are queued."""
     QtWidgets.QApplication.processEvents(
         QtCore.QEventLoop.ProcessEventsFlag.AllEvents, milliseconds
     )
@@ -397,7 +397,7 @@ class EventPlayer(QtCore.QObject):
             QtWidgets.QApplication.sendEvent(self._canvas, made)
 
     def pixel(self, place: Sequence[float]) -> QtCore.QPointF:
-        """Where a place lies in the canvas."""
+        """Project a point to the canvas, pixels."""
         return QtCore.QPointF(*pixel_of(self._window, place, self.aspect))
 
     def _tablet(self, event: DeviceEvent) -> QtGui.QTabletEvent:

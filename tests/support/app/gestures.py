@@ -43,7 +43,7 @@ class HandsTime(QtCore.QObject):
         self.now_ms = max(self.now_ms, time.monotonic_ns() // 1_000_000)
 
     def pass_by(self, seconds: float) -> None:
-        """Let that much time pass for the hand; at least a millisecond."""
+        """Advance the hand's clock by this time, at least a millisecond."""
         self.now_ms += max(1, round(1000 * seconds))
 
     def commit(self, sequence) -> None:
@@ -79,7 +79,7 @@ HAND = HandsTime()
 
 
 def live(seconds: float = 0.05) -> None:
-    """Let the program live for a while, and a few times round however long that takes.
+    """Process events for a while, and at least a few rounds.
 
     What the screen answers to what was asked of it before, as to move the window, has come then.
     """
@@ -128,7 +128,7 @@ def when(ready, act, what: str, seconds: float = 300.0) -> None:
 
 
 def answer(press, kind=QtWidgets.QDialog, but=QtWidgets.QProgressDialog) -> None:
-    """Let `press` deal with the dialog that opens next; it is called with it.
+    """Call `press` with the dialog that opens next.
 
     Where that fails the dialog is closed: nobody else would, and the test would wait for ever.
     Bars that show how far something is are left alone; see `answer_bar`.
@@ -150,12 +150,12 @@ def answer(press, kind=QtWidgets.QDialog, but=QtWidgets.QProgressDialog) -> None
 
 
 def answer_bar(press) -> None:
-    """Let `press` deal with the bar that opens next."""
+    """Call `press` with the bar that opens next."""
     answer(press, QtWidgets.QProgressDialog, ())
 
 
 def take_file(path: str | Path):
-    """What deals with the dialog of files that opens next: types a path in it and accepts.
+    """Make a `press` that types a path in the next file dialog and accepts it.
 
     Picking one in the dialog's list would have to wait until the folder is listed.
     """
@@ -183,8 +183,8 @@ def click_button(panel, text: str) -> None:
 
 def mouse(canvas, kind, x, y, button=BUTTON.NoButton, buttons=BUTTON.NoButton, keys=NO_KEY):
     """Send one mouse event."""
-    place = QtCore.QPointF(x, y)
-    event = QtGui.QMouseEvent(kind, place, canvas.mapToGlobal(place), button, buttons, keys)
+    position = QtCore.QPointF(x, y)
+    event = QtGui.QMouseEvent(kind, position, canvas.mapToGlobal(position), button, buttons, keys)
     QtWidgets.QApplication.sendEvent(canvas, event)
 
 
@@ -205,9 +205,9 @@ def drag(canvas, start, end, button=BUTTON.LeftButton, keys=NO_KEY, n=15, releas
 def pen(canvas, kind, x, y, pressure, tilt=(0.0, 0.0)):
     """Send one event of a tablet's pen."""
     down = BUTTON.NoButton if kind == KIND.TabletRelease else BUTTON.LeftButton
-    place = QtCore.QPointF(x, y)
+    position = QtCore.QPointF(x, y)
     event = QtGui.QTabletEvent(
-        kind, PEN, place, canvas.mapToGlobal(place), pressure, *tilt, 0.0, 0.0, 0.0, NO_KEY,
+        kind, PEN, position, canvas.mapToGlobal(position), pressure, *tilt, 0.0, 0.0, 0.0, NO_KEY,
         BUTTON.LeftButton, down,
     )  # fmt: skip
     event.setTimestamp(HAND.now_ms)

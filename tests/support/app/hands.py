@@ -68,6 +68,8 @@ def pad_stroke(line: ArrayLike, pressure: float, altitude: float) -> Recording:
     force = np.full(n, pressure)
     force[[0, -1]] = 0.0
     leaning = orientations_from_angles(np.full(n, -0.25 * np.pi), np.full(n, altitude))
-    places = np.column_stack([points, np.zeros(n)])
+    positions = np.column_stack([points, np.zeros(n)])
     times = np.arange(n, dtype=np.int64) * 5_000_000
-    return Recording(times, places, leaning, force, np.zeros(n, np.int32), header={"space": "pad"})
+    return Recording(
+        times, positions, leaning, force, np.zeros(n, np.int32), header={"space": "pad"}
+    )

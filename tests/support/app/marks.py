@@ -1,4 +1,4 @@
-"""What a mark on the surface is like, measured against the way of the pen that made it.
+"""Measurements of a mark on the surface, against the path of the pen that made it.
 
 A `Mark` is a cloud of small pieces of the surface with what lies on them; a `Way` is the line on
 the surface that the pen went, cut into even steps. Along it a mark has stations: pieces belong to
@@ -70,7 +70,7 @@ class Mark(NamedTuple):
         return Mark(*(part[chosen] for part in self))
 
     def within(self, way: Way, distance_mm: float) -> Mark:
-        """What lies so near to a way."""
+        """Keep the points within a distance of a path."""
         return self.where(way.tree.query(self.points)[0] <= distance_mm)
 
 
@@ -136,16 +136,16 @@ class Way:
 
     @property
     def length_mm(self) -> float:
-        """Of all of it."""
+        """Length of the path."""
         return float(self.at[-1])
 
     @property
     def in_the_air_mm(self) -> float:
-        """Of what leads through the air."""
+        """Length of the parts that lead through the air."""
         return float((~self.on_surface).mean()) * self.length_mm
 
     def place(self, points: NDArray) -> tuple[NDArray, NDArray]:
-        """How far along the way (below 0 and above its length: beyond), and aside to its left."""
+        """Compute positions along the path (also beyond its ends) and distances to its left."""
         _, k = self.tree.query(points)
         off = points - self.points[k]
         along = np.einsum("ij,ij->i", off, self.tangents[k])
@@ -180,7 +180,7 @@ class Stations(NamedTuple):
 
 
 def take_mark(surface: PaintedSurface, cuts: int = CUTS) -> Mark:
-    """What is on a surface now, in pieces of a quarter of its edges; all layers but rested ones.
+    """Collect what is on a surface now, in pieces of a quarter of its edges; all visible layers.
 
     Cover and ink are linear over each face, as colours are drawn.
     """
@@ -273,17 +273,17 @@ def _middles(station: NDArray, aside: NDArray, n: int) -> NDArray:
     return middle
 
 
-def off_the_way(found: Stations, percent: float = 100.0, ends_mm: float = 0.0) -> float:
-    """How far the middle of a mark lies from the way, mm: a percentile; inf where it is nowhere."""
-    inner = (found.at >= ends_mm) & (found.at <= found.at[-1] + found.at[0] - ends_mm)
-    middle = np.abs(found.middle[inner])
+def off_the_way(parts: Stations, percent: float = 100.0, ends_mm: float = 0.0) -> float:
+    """Measure how far the middle of a mark lies from the path, mm: a percentile; inf if missing."""
+    inner = (parts.at >= ends_mm) & (parts.at <= parts.at[-1] + parts.at[0] - ends_mm)
+    middle = np.abs(parts.middle[inner])
     middle = middle[np.isfinite(middle)]
     return float(np.percentile(middle, percent)) if len(middle) else float("inf")
 
 
-def largest_jump(found: Stations) -> float:
+def largest_jump(parts: Stations) -> float:
     """The largest step aside of a mark's middle from one station to the next, mm."""
-    middle = found.middle[np.isfinite(found.middle)]
+    middle = parts.middle[np.isfinite(parts.middle)]
     return float(np.abs(np.diff(middle)).max()) if len(middle) > 1 else 0.0
 
 
@@ -302,7 +302,7 @@ def inked_share(mark: Mark, way: Way, half_footprint_mm: float) -> float:
 
 
 def stray(mark: Mark, way: Way, half_footprint_mm: float) -> float:
-    """How far paint lies from the way, beyond half a footprint, mm; 0 for none."""
+    """Measure how far paint lies from the path, beyond half a footprint, mm; 0 for none."""
     dark = mark.points[mark.cover > INKED]
     if not len(dark):
         return 0.0
@@ -325,7 +325,7 @@ def begins_and_goes_on(
 
 
 def largest_rise(values: NDArray) -> float:
-    """By how much values rise that should fall: over the largest of them; 0 for never."""
+    """Measure the largest rise of values that should fall, over the greatest one; 0 for none."""
     lowest = np.minimum.accumulate(values)
     return float((values - lowest).max() / values.max())
 

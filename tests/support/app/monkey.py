@@ -86,7 +86,7 @@ class Fault:
 
 @dataclass
 class _Hooks:
-    """What was there before the monkey looked at it."""
+    """The hooks that were installed before the monkey's own."""
 
     excepthook: object = None
     thread_hook: object = None
@@ -340,7 +340,7 @@ class Monkey(QtCore.QObject):
         return f"{name} {material}"
 
     def drop_file(self, rng: Generator) -> str:
-        """Let a file fall into the picture."""
+        """Drop a file on the picture."""
         if self._is_blocked():
             return "blocked"
         path = self.folder / str(rng.choice(NAMES))
@@ -359,7 +359,7 @@ class Monkey(QtCore.QObject):
         return str(n)
 
     def switch_while_behind(self, rng: Generator) -> str:
-        """Have the painting busy with something else, change the brush, and paint on at once."""
+        """Keep the painting thread busy, change the brush, and paint on at once."""
         paint_thread = self.window.stage.paint_thread
         if paint_thread is None or self._is_blocked():
             return "nothing is open"
@@ -389,7 +389,7 @@ class Monkey(QtCore.QObject):
         return f"{size}"
 
     def crash(self, rng: Generator) -> str:
-        """Let the program end without closing, and start it again."""
+        """End the program without closing it, and start it again."""
         if self._is_blocked() or self._depth > 1:
             return "blocked"
         paint_thread = self.window.stage.paint_thread
@@ -414,7 +414,7 @@ class Monkey(QtCore.QObject):
     # -- how it does it ---------------------------------------------------------------------
 
     def _is_blocked(self) -> bool:
-        """Whether a dialog or menu takes what would go to the window."""
+        """Return whether a dialog or menu takes the window's events."""
         return (self._app.activeModalWidget() or self._app.activePopupWidget()) is not None
 
     def _send(self, event: DeviceEvent) -> None:
@@ -663,7 +663,7 @@ class Monkey(QtCore.QObject):
 
 
 def _sum_of(document: Document) -> dict[str, object]:
-    """What a painting is, so that two can be compared."""
+    """Hash a painting, so that two can be compared."""
     surface = document.surface
     document.refresh()
     order = np.lexsort(surface.paint_mesh.vertices.T)

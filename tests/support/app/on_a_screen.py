@@ -89,7 +89,7 @@ def _box(box: QtCore.QRect) -> list[int]:
 
 
 def _off(window, size: np.ndarray) -> float:
-    """How far the middle of the ink lies off the middle of the pen's way, mm."""
+    """Measure how far the middle of the ink lies off the middle of the pen's path, mm."""
     surface = window.document.surface
     field = surface.paint_mesh.arrays
     ids = np.flatnonzero(surface.painted)
@@ -101,7 +101,7 @@ def _off(window, size: np.ndarray) -> float:
 
 
 def _dark(shown: QtGui.QImage) -> list[float]:
-    """Where the ink is in the picture, shares of it; beside the grips and the ink's plate."""
+    """Locate the ink in the picture, as fractions of its size, apart from grips and plates."""
     shown = shown.convertToFormat(QtGui.QImage.Format.Format_Grayscale8)
     rows = np.frombuffer(shown.constBits(), np.uint8)
     codes = rows.reshape(shown.height(), shown.bytesPerLine())[:, : shown.width()]

@@ -17,9 +17,9 @@ def pen(canvas, kind, x, y, *, pressure=0.4, button=BUTTON.LeftButton, buttons=N
     """Send one event of a pen; by default its tip is down unless it is released."""
     if buttons is None:
         buttons = button if kind != KIND.TabletRelease and pressure > 0.0 else BUTTON.NoButton
-    place = QtCore.QPointF(x, y)
+    position = QtCore.QPointF(x, y)
     event = QtGui.QTabletEvent(
-        kind, PEN, place, canvas.mapToGlobal(place), pressure, 0.0, 0.0, 0.0, 0.0, 0.0, keys,
+        kind, PEN, position, canvas.mapToGlobal(position), pressure, 0.0, 0.0, 0.0, 0.0, 0.0, keys,
         button, buttons,
     )  # fmt: skip
     event.setTimestamp(HAND.now_ms)
@@ -37,8 +37,8 @@ def pen_drag(canvas, start, end, *, held=BUTTON.NoButton, pressure=0.4, keys=NO_
     HAND.begin()
     options = {"pressure": pressure, "keys": keys}
     pen(canvas, KIND.TabletPress, *path[0], button=first, buttons=held | tip, **options)
-    for place in path:
-        pen(canvas, KIND.TabletMove, *place, button=BUTTON.NoButton, buttons=held | tip, **options)
+    for at in path:
+        pen(canvas, KIND.TabletMove, *at, button=BUTTON.NoButton, buttons=held | tip, **options)
     last = {"pressure": 0.0, "keys": keys, "button": first, "buttons": BUTTON.NoButton}
     pen(canvas, KIND.TabletRelease, *path[-1], **last)
     live(0.03)
@@ -57,17 +57,17 @@ class Touching:
         return self
 
     def set(self, places, wait=0.012) -> None:
-        """Let fingers be at these places, by their numbers; others are lifted."""
+        """Put fingers at these positions, by their numbers; others are lifted."""
         sequence = QtTest.QTest.touchEvent(self._canvas, _SCREEN[0], False)
         for number in {*places, *self._down}:
             at = places.get(number, self._down.get(number))
-            place = QtCore.QPoint(round(float(at[0])), round(float(at[1])))
+            position = QtCore.QPoint(round(float(at[0])), round(float(at[1])))
             if number not in places:
-                sequence.release(number, place, self._canvas)
+                sequence.release(number, position, self._canvas)
             elif number in self._down:
-                sequence.move(number, place, self._canvas)
+                sequence.move(number, position, self._canvas)
             else:
-                sequence.press(number, place, self._canvas)
+                sequence.press(number, position, self._canvas)
         HAND.commit(sequence)
         self._down = dict(places)
         live(wait)
@@ -75,10 +75,10 @@ class Touching:
 
     def drag(self, ways, n=8) -> None:
         """Drag fingers from where to where, and lift them."""
-        for share in np.linspace(0.0, 1.0, n):
+        for t in np.linspace(0.0, 1.0, n):
             self.set(
                 {
-                    k: (1 - share) * np.asarray(start) + share * np.asarray(end)
+                    k: (1 - t) * np.asarray(start) + t * np.asarray(end)
                     for k, (start, end) in ways.items()
                 }
             )

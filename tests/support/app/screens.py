@@ -32,5 +32,5 @@ def start_screen(size: str) -> tuple[str, subprocess.Popen]:
 
 
 def _end_with_us() -> None:
-    """Have the kernel end this process with its parent (PR_SET_PDEATHSIG)."""
+    """Ask the kernel to end this process with its parent (PR_SET_PDEATHSIG)."""
     ctypes.CDLL(None).prctl(1, signal.SIGTERM)

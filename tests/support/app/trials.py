@@ -39,7 +39,7 @@ HALF_FOOTPRINT = 2.4  # mm: of the full brush at a quarter of its pressure
 
 
 class Trial(NamedTuple):
-    """One stroke: its number in the recording, the mark it left, the way of the pen."""
+    """One stroke: its number in the recording, the mark it left, the path of the pen."""
 
     number: int
     mark: Mark
@@ -53,22 +53,22 @@ def player_of(window: StudioWindow) -> EventPlayer:
 
 
 def faults(trial: Trial, wanted_ink: float | None = None) -> list[str]:
-    """What is asked of any stroke and is not so; its ink, if that is given, coats x mm."""
-    found = stations(trial.mark, trial.way)
+    """List how a stroke differs from what any should be; its ink, if that is given, coats x mm."""
+    parts = stations(trial.mark, trial.way)
     inked = inked_share(trial.mark, trial.way, HALF_FOOTPRINT)
-    off = off_the_way(found, 95.0, ends_mm=1.0)
-    jump = largest_jump(found)
-    told = []
+    off = off_the_way(parts, 95.0, ends_mm=1.0)
+    jump = largest_jump(parts)
+    differences = []
     if inked < 0.98:
-        told.append(f"inked {inked:.3f}")
+        differences.append(f"inked {inked:.3f}")
     if off > 1.2:
-        told.append(f"{off:.2f} mm off")
+        differences.append(f"{off:.2f} mm off")
     if jump > 2.0:
-        told.append(f"jump of {jump:.2f} mm")
+        differences.append(f"jump of {jump:.2f} mm")
     ink = 1.0 if wanted_ink is None else ink_per_mm(trial.mark, trial.way) / wanted_ink
     if not 0.85 <= ink <= 1.25:  # on paper lanes of hairs bring more or less
-        told.append(f"ink {ink:.2f} of what was wanted")
-    return [f"stroke {trial.number}: {', '.join(told)}"] if told else []
+        differences.append(f"ink {ink:.2f} of what was wanted")
+    return [f"stroke {trial.number}: {', '.join(differences)}"] if differences else []
 
 
 @contextmanager
@@ -82,13 +82,13 @@ def blind_window(program: QtWidgets.QApplication) -> Iterator[StudioWindow]:
 
 
 def mark_now(window: StudioWindow) -> Mark:
-    """What is painted by now."""
+    """Return the mark on the surface now."""
     with window.stage.paint_thread.paused() as document:
         return take_mark(document.surface)
 
 
 def ways_of(window: StudioWindow, recording: EventRecording) -> list[Way]:
-    """Where the pen goes on the object in each stroke, in the view of now."""
+    """Compute the pen's path on the object in each stroke, in the current view."""
     surface = surface_of(window)
     return [
         Way(way, surface.find(way).normals, surface=surface, leap_mm=LEAP_MM)

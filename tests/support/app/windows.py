@@ -131,7 +131,7 @@ def click_row(window, row: int) -> None:
 
 @contextmanager
 def faults() -> Iterator[list[str]]:
-    """What nobody caught meanwhile, as in a slot or an event handler."""
+    """Exceptions that nobody caught meanwhile, as in a slot or an event handler."""
     found: list[str] = []
     before = sys.excepthook
     sys.excepthook = lambda kind, error, trace: found.append(f"{kind.__name__}: {error}")
@@ -142,7 +142,7 @@ def faults() -> Iterator[list[str]]:
 
 
 def pretend_saved(paint_thread: PaintThread) -> None:
-    """Let nothing be unsaved, as who leaves a painting is asked otherwise."""
+    """Mark everything as saved, or closing would ask."""
     paint_thread.post(_forget_changes).result(300)
 
 

@@ -10,7 +10,7 @@ import { frameUp } from "../mesh/chart";
 import { ClosestPoints } from "../mesh/closest_points";
 import { readPressing, type PressedSeal } from "../seal/pressing";
 import { findImpression, layPaste } from "../seal/print";
-import { Painter, PIECE_S, type Ink, type Kept } from "../painter/painter";
+import { Painter, INK_STEP_S, type Ink, type Kept } from "../painter/painter";
 import { AT_REST, ERASER, RecordingError, type DeviceSample, type Pose } from "../recording/recording";
 import { readText, type LaidText } from "./copybook";
 import { Eraser } from "../surface/eraser";
@@ -255,10 +255,10 @@ export class Document {
 
   /** Let wet ink spread and dry for a time step. */
   followTime(): void {
-    this.surface.water.followTime(PIECE_S);
+    this.surface.water.followTime(INK_STEP_S);
     const last = this.#lines[this.#lines.length - 1];
     if (last.do === "follow_time" && this.#lines.length > this.#taken) last.times = Number(last.times ?? 1) + 1;
-    else this.#lines.push({ do: "follow_time", seconds: PIECE_S });
+    else this.#lines.push({ do: "follow_time", seconds: INK_STEP_S });
   }
 
   /** Let all wet paint dry at once: a step that can be undone. */
@@ -432,9 +432,9 @@ export class Document {
       case "remove_text":
         return () => this.removeText(number as number);
       case "follow_time":
-        if (row.seconds !== PIECE_S)
+        if (row.seconds !== INK_STEP_S)
           throw new RecordingError(
-            `${where}: its ink flows in steps of ${String(row.seconds)} s; in a page these are ${PIECE_S} s`,
+            `${where}: its ink flows in steps of ${String(row.seconds)} s; in a page these are ${INK_STEP_S} s`,
           );
         return () => {
           for (let n = Number(row.times ?? 1); n > 0; n--) this.followTime();

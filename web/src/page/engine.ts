@@ -8,7 +8,7 @@ import { frameAt } from "../mesh/chart";
 import type { DipAmount } from "../brush/brush";
 import type { Bundle } from "../core/bundle";
 import type { ObjectWords } from "../mesh/refined_mesh";
-import { PIECE_S } from "../painter/painter";
+import { INK_STEP_S } from "../painter/painter";
 import { NoRoomError, NoTouchError, USUAL_PRESSING } from "../seal/print";
 import { Studio, type Contents, type Fetch } from "../studio";
 import type { Layer } from "../surface/layer_stack";
@@ -457,14 +457,14 @@ export class Engine {
   }
 
   #awaitPiece(): void {
-    const due = this.#passedMs + 1000.0 * PIECE_S - performance.now();
+    const due = this.#passedMs + 1000.0 * INK_STEP_S - performance.now();
     this.#timer = setTimeout(() => this.#guard(() => this.#letPass()), Math.max(0.0, due));
   }
 
   #letPass(): void {
     this.#timer = null;
     if (!this.#passes) return this.#tellNow(true); // all is dry, or not looked at
-    this.#passedMs = Math.max(this.#passedMs + 1000.0 * PIECE_S, performance.now() - MOST_BEHIND_MS);
+    this.#passedMs = Math.max(this.#passedMs + 1000.0 * INK_STEP_S, performance.now() - MOST_BEHIND_MS);
     this.painting.followTime();
     this.#awaitPiece();
     this.#changed();

@@ -45,7 +45,7 @@ export class HairTuft {
   }
 
   /** The ink of all hairs. */
-  held(): Float64Array {
+  total(): Float64Array {
     const out = this.kernels.zeros("f8", this.#load.shape[1]);
     this.kernels.call("brush_engine.bristles.ink_transfer.sum_hairs", this.#load, out);
     const held = out.data.slice();
@@ -54,9 +54,9 @@ export class HairTuft {
   }
 
   /** Rescale the hairs' ink to a total, each keeping its fraction of it. */
-  hold(total: Float64Array): void {
+  rescale(total: Float64Array): void {
     this.#addPigments(total.length);
-    const held = this.held();
+    const held = this.total();
     const load = this.#load.data;
     const count = held.length;
     for (let p = 0; p < count; p++) {
@@ -94,10 +94,10 @@ export class HairTuft {
   /** The arrays for the kernels, whose load is first matched to the brush's. */
   work(ink: InkField): Hairs {
     const total = ink.load.data.slice();
-    const held = this.held();
+    const held = this.total();
     if (held.length !== total.length || held.some((part, p) => part !== total[p])) {
-      this.hold(total);
-      ink.load.data.set(this.held());
+      this.rescale(total);
+      ink.load.data.set(this.total());
     }
     this.#work ??= this.brush.makeHairs(this.#load, this.#memory);
     return this.#work;

@@ -18,8 +18,8 @@ export type Ink = ReadonlyMap<Pigment, number>;
 /** Samples that must be known beyond an interval before it is painted. */
 export const LOOKAHEAD = 2;
 /** A time step of wet ink. */
-export const PIECE_S = 0.05;
-const PIECE_NS = 50_000_000n;
+export const INK_STEP_S = 0.05;
+const INK_STEP_NS = 50_000_000n;
 const FINISHED = 0;
 const RESERVOIRS = 12; // segments of a tuft whose load varies along its length
 
@@ -93,7 +93,7 @@ export class Painter {
     const hairs = this.#hairs;
     if (hairs !== null && reach !== null)
       throw new RangeError("a page does not dip the tip of single hairs; expected a whole dip");
-    hairs?.hold(surface.ink.load.data.slice());
+    hairs?.rescale(surface.ink.load.data.slice());
     if (reach === null) this.#hold(parts.map((part) => part * this.tuft.load));
     else {
       const count = parts.length;
@@ -111,7 +111,7 @@ export class Painter {
     }
     if (hairs !== null) {
       hairs.dip(surface.ink.load.data.slice());
-      surface.ink.load.data.set(hairs.held());
+      surface.ink.load.data.set(hairs.total());
       hairs.shape();
     }
     // A dip hides earlier ones of the same reach or less:
@@ -269,7 +269,7 @@ export class Painter {
 
   /** Let the ink of a wet replay go on for so long after the last sample. */
   rest(lastNs: bigint, seconds: number): void {
-    const n = Number((lastNs + BigInt(Math.round(1e9 * seconds))) / PIECE_NS - lastNs / PIECE_NS);
+    const n = Number((lastNs + BigInt(Math.round(1e9 * seconds))) / INK_STEP_NS - lastNs / INK_STEP_NS);
     let [passed, isDry] = [0, false];
     while (passed < n && !isDry) {
       passed += Number(this.surface.water.keepsUp);
@@ -281,7 +281,7 @@ export class Painter {
   #stepInk(pieces: number): boolean {
     const { water } = this.surface;
     for (let k = 0; k < pieces; k++) {
-      water.followTime(PIECE_S);
+      water.followTime(INK_STEP_S);
       if (water.flow.isDry) return true;
     }
     return false;
@@ -356,10 +356,10 @@ export class Painter {
     const origins = kernels.zeros("i8", n);
     kernels.call(
       "brush_engine.stroke_loop.prepare_samples",
-      timeNs, this.#originNs, path.orientation, path.way, samples, origins,
+      timeNs, this.#originNs, path.orientation, path.points, samples, origins,
     ); // prettier-ignore
     const since = origins.data.slice();
-    for (const array of [path.orientation, path.way, timeNs, origins]) array.free();
+    for (const array of [path.orientation, path.points, timeNs, origins]) array.free();
     return [samples, since];
   }
 
@@ -398,7 +398,7 @@ function pausesOf(samples: readonly DeviceSample[], joined: Uint8Array): [number
   let cameDown = 0;
   for (let k = 1; k < samples.length; k++) {
     if (joined[k] === 0) cameDown = k;
-    const due = samples[k].timeNs / PIECE_NS - samples[k - 1].timeNs / PIECE_NS;
+    const due = samples[k].timeNs / INK_STEP_NS - samples[k - 1].timeNs / INK_STEP_NS;
     if (due > 0n) pauses.push([Math.max(k - LOOKAHEAD, cameDown) - 1, Number(due)]);
   }
   return pauses;

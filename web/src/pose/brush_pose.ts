@@ -7,7 +7,7 @@ import type { DeviceSample } from "../recording/recording";
 /** N poses of the brush in the object's frame. */
 export interface BrushPath {
   orientation: NDArray<"f8">; // (N, 4)
-  way: NDArray<"f8">; // (N, 3) the intended contact points, else the tuft's root, mm
+  points: NDArray<"f8">; // (N, 3) the intended contact points, else the tuft's root, mm
   pressures: NDArray<"f8">; // NaN where the device has none
   hasContact: NDArray<"b1">;
 }
@@ -26,12 +26,12 @@ export function objectPoses(kernels: Kernels, samples: readonly DeviceSample[]):
   const { origin, frame, orientation, place } = given;
   const path: BrushPath = {
     orientation: kernels.zeros("f8", n, 4),
-    way: kernels.zeros("f8", n, 3),
+    points: kernels.zeros("f8", n, 3),
     pressures: NDArray.of(kernels, "f8", samples.map((sample) => sample.pressure ?? NaN)),
     hasContact: NDArray.of(kernels, "b1", samples.map((sample) => Number(sample.contact !== null))),
   }; // prettier-ignore
   kernels.call("pose.kernels.hand_path.carry_to_object", orientation, frame, path.orientation);
-  kernels.call("pose.kernels.hand_path.carry_points", place, origin, frame, path.way);
+  kernels.call("pose.kernels.hand_path.carry_points", place, origin, frame, path.points);
   for (const array of Object.values(given)) array.free();
   return path;
 }

@@ -17,11 +17,10 @@ from paint3d.app.model.persistence.settings import Settings, stored_calibration
 from paint3d.brush.spec import BrushSpec
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
-from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions, find_actions
 from paint3d.device.hid_nodes import HidNode, list_nodes
 from paint3d.device.hot_plug import PluggedDevices
 from paint3d.device.recorded import MAX_FORCE_N
-from paint3d.device.report_rate import find_report_rate
+from paint3d.device.report_timing import measure_report_rate
 from paint3d.device.sample import DIP, DeviceSample, StylusReading
 from paint3d.device.space_mouse import DeflectionSettings, MouseEvent, SpaceMouse
 from paint3d.device.stylus import Stylus
@@ -30,7 +29,12 @@ from paint3d.haptics.servo import ForceFeedback, ServoStatus
 from paint3d.haptics.settings import PHANTOM_DESKTOP, DeviceLimits, Feel, HapticSettings
 from paint3d.haptics.stylus_choice import find_stylus
 from paint3d.pose.calibration import DeviceCalibration
-from paint3d.pose.mouse_settings import MouseSettings
+from paint3d.pose.mouse_settings import (
+    DEFAULT_ACTIONS,
+    MouseSettings,
+    checked_actions,
+    find_actions,
+)
 from paint3d.pose.steering import ObjectPose, apply_action
 from paint3d.pose.two_hands import TwoHands
 
@@ -77,8 +81,8 @@ class Devices(Protocol):
     def take_stylus(self) -> list[StylusReading]:
         """Readings of all styli since the last call."""
 
-    def read_caps(self, deflection: DeflectionSettings) -> None:
-        """Read the caps of mice so."""
+    def set_deflection(self, deflection: DeflectionSettings) -> None:
+        """Change the settings of all caps; see `PluggedDevices`."""
 
     def stop(self) -> None:
         """Close everything."""
@@ -110,7 +114,7 @@ class NoDevices:
         """None."""
         return []
 
-    def read_caps(self, deflection: DeflectionSettings) -> None:
+    def set_deflection(self, deflection: DeflectionSettings) -> None:
         """There are none."""
 
     def stop(self) -> None:
@@ -211,7 +215,7 @@ class DeviceHub:
         Stopped by `stop`.
     hands : TwoHands, optional
     actions : mapping of int to str
-        Of the 6-DOF mouse's buttons; see `device.button_actions`.
+        Of the 6-DOF mouse's buttons; see `pose.mouse_settings`.
     clock : callable
         Returns ns of the clock that readings are stamped by.
     feedback : ForceFeedback, optional
@@ -262,10 +266,10 @@ class DeviceHub:
     def set_mouse(self, settings: MouseSettings) -> None:
         """Set how the 6-DOF mouse is read from now on."""
         self.hands.steering = settings.steering()
-        self._plugged.read_caps(settings.deflection())
+        self._plugged.set_deflection(settings.deflection())
 
     def set_actions(self, actions: Mapping[int, str]) -> None:
-        """Assign actions to the 6-DOF mouse's buttons; see `device.button_actions`."""
+        """Assign actions to the 6-DOF mouse's buttons; see `pose.mouse_settings`."""
         self._actions = checked_actions(actions)
 
     def take(self) -> HandInput:
@@ -325,11 +329,11 @@ class DeviceHub:
 
     def rate_hz(self, hand: str) -> float:
         """Rate of reports of a hand's device, Hz; 0 where there are none."""
-        return find_report_rate(np.array(self._reading_times[hand], np.int64)).rate_hz
+        return measure_report_rate(np.array(self._reading_times[hand], np.int64)).rate_hz
 
     def lateness_ms(self, hand: str) -> float:
         """By how much one report in a hundred comes later than most, ms; 0 where there are few."""
-        rate = find_report_rate(np.array(self._reading_times[hand], np.int64))
+        rate = measure_report_rate(np.array(self._reading_times[hand], np.int64))
         late = rate.interval_p99_ms - rate.interval_p50_ms
         return float(late) if np.isfinite(late) else 0.0
 
@@ -425,7 +429,7 @@ class Feeling:
     ----------
     feedback : Feedback
     name, key : str
-        Of the device: see `FoundStylus`.
+        Of the device: see `DetectedStylus`.
     limits : DeviceLimits
     calibration : DeviceCalibration
         By which its readings come.
@@ -457,7 +461,7 @@ def start_feeling(document: Document, settings: Settings) -> Feeling | None:
     stylus = find_stylus(settings.stylus)
     if stylus is None:
         return None
-    feel, brush = Feel.from_words(settings.feel), document.painter.brush
+    feel, brush = Feel.from_dict(settings.feel), document.painter.brush
     calibration = stored_calibration(stylus.key) or stylus.frame
     surface = document.surface
     felt = feel.settings(brush, stylus.limits, surface.material)

@@ -21,14 +21,13 @@ from paint3d.core.own_folders import (
     make_private_folder,
     usual_config_folder,
 )
-from paint3d.device.button_actions import DEFAULT_ACTIONS, checked_actions
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.errors import DeviceError, ExportError, InputError, Message, Paint3DError
 from paint3d.files.contents import json_text
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import check_stylus
 from paint3d.pose.calibration import DeviceCalibration, load_calibration, save_calibration
-from paint3d.pose.mouse_settings import MouseSettings
+from paint3d.pose.mouse_settings import DEFAULT_ACTIONS, MouseSettings, checked_actions
 
 __all__ = [
     "Settings",
@@ -220,8 +219,8 @@ class Settings:
             _check_words(name, (*words, *words.values()))
         PressureCurve(self.pressure_curve)
         object.__setattr__(self, "buttons", checked_actions(self.buttons))
-        MouseSettings.from_words(self.mouse)
-        Feel.from_words(self.feel)
+        MouseSettings.from_dict(self.mouse)
+        Feel.from_dict(self.feel)
         check_stylus(self.stylus)
 
     @property
@@ -373,7 +372,7 @@ def save_settings(settings: Settings, folder: Path | None = None) -> None:
 
 
 def _calibration_file(key: str) -> Path:
-    """Path of a device's calibration, by its key (`FoundStylus.key`)."""
+    """Path of a device's calibration, by its key (`DetectedStylus.key`)."""
     return config_folder() / "calibrations" / f"{key}.json"
 
 

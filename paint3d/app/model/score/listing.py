@@ -110,7 +110,7 @@ def _ink_text(ink: str | Mapping[str, float]) -> str:
 
 def _length_mm(part: Recording) -> float:
     """Length of the path along which the brush is pressed, in the object's frame."""
-    path = brush_poses(part).way
+    path = brush_poses(part).points
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     if part.pressure is not None:
         down = part.pressure > 0.0

@@ -139,7 +139,7 @@ class Calibrating:
         if touches is None:
             return None
         try:
-            return self._next() if touches.hear(readings) else None
+            return self._next() if touches.add(readings) else None
         except Paint3DError as error:
             self._refuse(error)
         return None
@@ -259,8 +259,8 @@ class DeviceInput:
 
     def _show_choices(self) -> None:
         settings = self._workspace.settings
-        self._panel.stylus.show_choices(settings.stylus, Feel.from_words(settings.feel))
-        self._panel.mouse.show_choices(MouseSettings.from_words(settings.mouse), settings.buttons)
+        self._panel.stylus.show_choices(settings.stylus, Feel.from_dict(settings.feel))
+        self._panel.mouse.show_choices(MouseSettings.from_dict(settings.mouse), settings.buttons)
 
     @property
     def feeling(self) -> Feeling | None:
@@ -312,7 +312,7 @@ class DeviceInput:
             stylus_name="" if feeling is None else feeling.name,
         )
         if before is None:  # else the hands go on with what a button locked
-            desk.set_mouse(MouseSettings.from_words(settings.mouse))
+            desk.set_mouse(MouseSettings.from_dict(settings.mouse))
         return desk
 
     # -- what is chosen ---------------------------------------------------------------------
@@ -333,7 +333,7 @@ class DeviceInput:
 
     def choose_mouse(self, mouse: MouseSettings) -> None:
         """Read the 6-DOF mouse by other settings."""
-        self._workspace.update_settings(mouse=mouse.as_words())
+        self._workspace.update_settings(mouse=mouse.as_dict())
         if self.desk is not None:
             self.desk.set_mouse(mouse)
 
@@ -394,7 +394,7 @@ class DeviceInput:
             self._take(self.desk)
             self._report_end(self.desk)
         if self._feeling is not None:
-            feel = Feel.from_words(self._workspace.settings.feel)
+            feel = Feel.from_dict(self._workspace.settings.feel)
             if self.calibrating.is_on:
                 feel = replace(feel, limit_n=0.0)  # the object pushes no hand off the sheet
             material = self._workspace.painting.material

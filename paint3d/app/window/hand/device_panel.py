@@ -16,13 +16,12 @@ from paint3d.app.window.status_line import keeping_up
 from paint3d.app.window.theme import STATES, Theme
 from paint3d.app.window.wording import say, say_error
 from paint3d.core.arrays import AnyArray
-from paint3d.device.button_actions import ACTIONS
 from paint3d.device.recorded import MAX_FORCE_N
 from paint3d.device.six_dof import AXES
 from paint3d.errors import Message
 from paint3d.haptics.settings import Feel
 from paint3d.haptics.stylus_choice import STYLI
-from paint3d.pose.mouse_settings import MODES, MouseSettings
+from paint3d.pose.mouse_settings import ACTIONS, MODES, MouseSettings
 from paint3d.pose.steering import SteeringOptions
 from paint3d.pose.touching import SHEET_MM
 

@@ -18,7 +18,7 @@ from paint3d.app.model.score.stepping import Cue
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.device.sample import DeviceSample
-from paint3d.painter.ink_time import PIECE_NS
+from paint3d.painter.ink_time import INK_STEP_NS
 from paint3d.painter.recorded_tools import eraser_runs
 from paint3d.recording.recording import HandTime
 
@@ -129,7 +129,7 @@ class _StrokeReplay:
     ) -> _StrokeReplay:
         """Begin the stroke."""
         # by the hand's clock, and by whole pieces of the ink's time: as it was painted
-        whole = tools.haste(None) * PIECE_NS
+        whole = tools.haste(None) * INK_STEP_NS
         later_ns = (time.perf_counter_ns() - samples[0].time_ns) // whole * whole
         times = np.array([sample.time_ns for sample in samples], np.int64)
         when = HandTime(in_full=paint_thread.wet).pass_samples(times).tolist()

@@ -26,13 +26,13 @@ from paint3d.files.progress import part_of
 from paint3d.mesh.bvh import ClosestPoints
 from paint3d.mesh.chart import frame_at, make_chart
 from paint3d.mesh.placement import place, upwards
-from paint3d.painter.flat_input import LaidPad, dipped, size_of
+from paint3d.painter.flat_input import LaidPad, add_dips, pad_extent
 from paint3d.painter.recorded_tools import (
+    changes_at,
     recorded_amount,
     recorded_brush,
     recorded_ink,
     recorded_tip,
-    told_at,
 )
 from paint3d.recording.recording import Recording, load_recording, save_recording
 from paint3d.recording.score import is_score, load_score, save_score
@@ -248,7 +248,7 @@ def lay_in_view(recording: Recording, surface: ClosestPoints, camera: Camera) ->
     MeshError, InputError, RecordingError
         If it does not fit there.
     """
-    middle, half, scale = size_of(recording)
+    middle, half, scale = pad_extent(recording)
     ray = ray_at(camera, 0.5, 0.5, (1.0, 1.0))
     hits = surface.cast(ray.origin[None], ray.direction[None])
     if hits.hit[0]:
@@ -259,7 +259,7 @@ def lay_in_view(recording: Recording, surface: ClosestPoints, camera: Camera) ->
     else:
         frame = place(surface, (0.5, 0.5))
     chart = make_chart(surface, frame, *(half + _MARGIN_MM))
-    return LaidPad(dipped(recording), chart, middle, scale).whole()
+    return LaidPad(add_dips(recording), chart, middle, scale).whole()
 
 
 def _opening_commands(recording: Recording) -> list[Asked]:
@@ -279,7 +279,7 @@ def tool_changes_of(
     recording: Recording,
 ) -> tuple[list[tuple[int, float]], list[tuple[int, float]]]:
     """Return loads and strengths of the brush by samples; of several at one, the last."""
-    loads, strengths = told_at(recording.header, recording.time_ns)
+    loads, strengths = changes_at(recording.header, recording.time_ns)
     return list(dict(loads).items()), list(dict(strengths).items())
 
 
