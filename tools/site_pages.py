@@ -224,8 +224,7 @@ def _number(value: float | str) -> str:
 _SCREEN = 'xvfb-run -a -s "-screen 0 1400x900x24" python'
 BY_OTHERS = (  # the pictures that build_gallery.py does not draw
     {
-        "stroke.webp": "paint3d write 永 --on bowl --size 40 --at 0.5,0.58 --out yong.p3d "
-        "--film stroke.webp --pixels 480x360",
+        "stroke.webp": "python scripts/gallery/film.py",
         "bowl.html": "paint3d write 春江潮水連海平海上明月 --on bowl --around --size 30 "
         "--out bowl.p3d\n"
         "paint3d export bowl.p3d bowl.html --view-only",

@@ -129,13 +129,17 @@ class Parser(argparse.ArgumentParser):
         parsed, unknown = self.parse_known_args(args, namespace)
         if unknown:
             parser = self._chosen(parsed)
-            parser.error(f"unrecognized arguments: {' '.join(unknown)}{parser._hint_for(unknown)}")
+            meant = parser._unknown_option(unknown)
+            near = hint(meant, parser._option_string_actions) if meant else ""
+            parser.error(f"unrecognized arguments: {' '.join(unknown)}{near}")
         return parsed
 
     def error(self, message: str) -> Never:
         """Refuse the command line."""
         if message.startswith("the following arguments are required"):
-            message += self._hint_for(self._words)  # a mistyped option is why one is missing
+            meant = self._unknown_option(self._words)  # a mistyped option is why one is missing
+            if meant:
+                message = f"there is no {meant}{hint(meant, self._option_string_actions)}"
         raise UsageError(f"{message} (see {self.prog} --help)")
 
     def format_help(self) -> str:
@@ -173,15 +177,14 @@ class Parser(argparse.ArgumentParser):
             parser = parser.actions().get(str(getattr(parsed, dest, None)), parser)
         return parser
 
-    def _hint_for(self, words: Sequence[str]) -> str:
-        """Return a hint for the first unknown option among words."""
-        known = self._option_string_actions
+    def _unknown_option(self, words: Sequence[str]) -> str:
+        """Return the first unknown option among words, or nothing."""
         for word in words:
             name = word.partition("=")[0]
             if word == "--":
                 break
-            if name.startswith("--") and name not in known:
-                return hint(name, known)
+            if name.startswith("--") and name not in self._option_string_actions:
+                return name
         return ""
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:

@@ -21,7 +21,7 @@ from paint3d.files.progress import Progress, part_of
 from paint3d.files.project.painting import Exportable, Painting, read_painting
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.view.film import FILMS, MOST_PIXELS, Growth, film_form, is_held_whole, write_film
-from paint3d.view.shot import Moment, Shot, take_film, take_shot, take_turning
+from paint3d.view.shot import MOST_LIGHTS, Moment, Shot, take_film, take_shot, take_turning
 from paint3d.view.studio import Gloss
 
 __all__ = [
@@ -38,7 +38,6 @@ _SAVE_OPTIONS = {  # Pillow's, by form; a PNG a fifth larger in a quarter of the
     "PNG": {"compress_level": 2},
 }
 _READ, _TAKEN = 0.6, 0.97  # of the time, about, until the painting is read and the picture there
-_MOST_LIGHTS = 120  # in a turn of a film, in which the light on the object is computed anew
 
 
 class Turning(NamedTuple):
@@ -197,7 +196,7 @@ def write_growth(
             yield Moment(srgb[ids], 2.0 * np.pi * k / a_turn if a_turn else 0.0, rough)
 
     grown = growth.pictures()
-    n_lights = min(_MOST_LIGHTS, max(1, round(a_turn))) if a_turn else 0
+    n_lights = min(MOST_LIGHTS, max(1, round(a_turn))) if a_turn else 0
     drawn = take_film(arrays, shot, moments(), Gloss.of(surface.material), n_lights)
     with write_atomically(path, progress) as part:
         pictures = _report_pictures(map(Image.fromarray, drawn), n, progress)

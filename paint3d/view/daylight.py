@@ -9,12 +9,14 @@ unlike screen-space occlusion, do not depend on the camera.
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.core.arrays import AnyArray
+from paint3d.core.arrays import AnyArray, cross
 from paint3d.view.kernels.depth_map import (
     DepthMap,
     Floor,
@@ -44,9 +46,11 @@ class Occluder:
     ----------
     vertices : (V, 3) array, studio axes, mm
     faces : (F, 3) integer array
+    centre : (3,) array, optional
+        Middle of its maps and of the ground; by default that of the vertices' box.
     """
 
-    def __init__(self, vertices: AnyArray, faces: AnyArray) -> None:
+    def __init__(self, vertices: AnyArray, faces: AnyArray, centre: AnyArray | None = None) -> None:
         corners = vertices[faces].astype(np.float32)
         edges = corners[:, 1:] - corners[:, :1]
         areas = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).astype(np.float64)
@@ -59,11 +63,20 @@ class Occluder:
         edges = edges[chosen]
         points = corners[chosen, 0] + u[:, None] * edges[:, 0] + v[:, None] * edges[:, 1]
         self.lowest = float(points[:, 2].min())
-        self.centre = (vertices.min(axis=0) + vertices.max(axis=0)).astype(np.float64) / 2
+        if centre is None:
+            centre = (vertices.min(axis=0) + vertices.max(axis=0)).astype(np.float64) / 2
+        self.centre = centre
         self._points = np.ascontiguousarray((points - self.centre).T, np.float32)
         self.radius = float(np.linalg.norm(vertices - self.centre, axis=1).max())
         self.cell = 2.04 * self.radius / CELLS
         self._depth_maps: dict[bytes, DepthMap] = {}
+
+    def turned(self, rotation: NDArray[np.float64]) -> Occluder:
+        """Return the object after a rotation (3, 3) about the vertical axis through its centre."""
+        other = copy(self)
+        other._points = np.ascontiguousarray(rotation.astype(np.float32) @ self._points)
+        other._depth_maps = {}
+        return other
 
     def shine(
         self, suns: list[Sun], points: AnyArray, normals: AnyArray, lift: float, ground: Ground
@@ -93,9 +106,9 @@ class Occluder:
         """Return the depth map seen from a light; cached, as floor and object both need it."""
         key = direction.tobytes()
         if key not in self._depth_maps:
-            u = np.cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
+            u = cross(direction, np.eye(3)[np.argmin(np.abs(direction))])
             u /= np.linalg.norm(u)
-            axes = np.stack([u, np.cross(direction, u), direction])
+            axes = np.stack([u, cross(direction, u), direction])
             depth = np.empty((CELLS, CELLS), dtype=np.float32)
             depth_map = DepthMap(self.centre, axes, 1 / self.cell, depth)
             fill_depth_map(self._points, depth_map)
@@ -117,8 +130,6 @@ class Ground:
 
 def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
     """Return the floor just under the object's lowest point, with the object's soft shadow."""
-    from scipy.ndimage import gaussian_filter
-
     half = GROUND_HALF * occluder.radius
     floor = occluder.lowest - GAP * occluder.radius
     origin = np.array([occluder.centre[0], occluder.centre[1], floor], dtype=np.float64)
@@ -126,9 +137,24 @@ def light_ground(occluder: Occluder, suns: list[Sun]) -> Ground:
     above = [sun for sun in suns if sun.direction[2] > 0]
     occluder.shade(above, Ground(origin, half, openness))
     # Blur least where the shadow is darkest: under the object, where contact is visible.
-    sharp, soft = (gaussian_filter(openness, blur, mode="nearest") for blur in GROUND_BLURS)
+    sharp, soft = (blur @ openness @ blur.T for blur in map(_blur, GROUND_BLURS))
     dark = np.clip((SHARP_BELOW - soft) / SHARP_BELOW * 2, 0, 1)
     return Ground(origin, half, soft + dark * (sharp - soft))
+
+
+@cache
+def _blur(cells: float) -> NDArray[np.float64]:
+    """Return the matrix (N, N) that blurs columns of the ground by a Gaussian; its edge goes on.
+
+    SciPy has the same, and takes longer to be loaded than a picture to be lit.
+    """
+    reach = round(4.0 * cells)
+    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / cells) ** 2)
+    blur = np.zeros((GROUND_CELLS, GROUND_CELLS))
+    for step, weight in zip(range(-reach, reach + 1), weights / weights.sum(), strict=True):
+        rows = np.arange(GROUND_CELLS)
+        blur[rows, np.clip(rows + step, 0, GROUND_CELLS - 1)] += weight
+    return blur
 
 
 def light_points(

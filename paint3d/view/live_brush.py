@@ -70,6 +70,8 @@ class LiveBrush:
         Kind of hair: a key of `HAIR_COLOURS`.
     bristles : Bristles, optional
         Its single hairs, to be drawn as lines; without them the tuft is drawn as a solid.
+    as_filmed : bool
+        Draw it as somebody who looks on sees it: dense wherever it stands, and without its outline.
     """
 
     def __init__(
@@ -78,8 +80,9 @@ class LiveBrush:
         tuft: Tuft,
         hair: str = "mixed",
         bristles: Bristles | None = None,
+        as_filmed: bool = False,
     ) -> None:
-        self._tuft = tuft
+        self._tuft, self._as_filmed = tuft, as_filmed
         self.hairs = None if bristles is None else SingleHairs(tuft, bristles, AROUND)
         self._hair = np.array(HAIR_COLOURS.get(hair, HAIR_COLOURS["mixed"]), np.float64)
         self._parts = {name: DrawnMesh() for name in _PARTS}
@@ -157,7 +160,8 @@ class LiveBrush:
             "handle", *_in_sections(points, colours, self._tuft.length), painted, stand
         )
         self._draw_shadow(stand, rings, points, tree, up)
-        self._draw_outline(stand, tree)
+        if not self._as_filmed:
+            self._draw_outline(stand, tree)
 
     def _draw_faded(
         self,
@@ -188,6 +192,8 @@ class LiveBrush:
         self, name: str, rings: AnyArray, painted: AnyArray, stand: BrushStand
     ) -> AnyArray:
         """Return how dense (R,), 0 to 255, each section of a part is drawn."""
+        if self._as_filmed:
+            return np.full(len(rings), 255.0)
         over, painting, lifted = _DENSE[name]
         most = painting if stand.touches else lifted
         off = self._off_in_picture(rings, painted)

@@ -228,11 +228,12 @@ def light_object(
     size: tuple[int, int],
     setting: Setting,
     everywhere: bool = False,
+    occluder: Occluder | None = None,
 ) -> Lighting:
     """Light an object and place the camera; see `set_up_scene`.
 
     The light depends on the colours by their mean alone. Only visible vertices are lit, or all
-    with `everywhere`.
+    with `everywhere`. `occluder` is the object's, where it is known.
     """
     vertices, faces, normals, srgb = arrays
     places, areas = vertices, vertex_areas(vertices, faces)
@@ -241,7 +242,7 @@ def light_object(
     vertices, normals = vertices @ axes.T, normals @ axes.T
     view = View(axes @ view.direction, axes @ view.up, view.zoom)
     camera = fit_camera(vertices, view, size[0] / size[1]) if stand is None else stand.camera
-    occluder, suns = Occluder(vertices, faces), light_samples(studio=setting.studio)
+    occluder, suns = occluder or Occluder(vertices, faces), light_samples(studio=setting.studio)
     ground = light_ground(occluder, suns)
     on_ground = view.direction[2] > SHALLOWEST and not setting.transparent
     albedo = srgb_to_linear(srgb)

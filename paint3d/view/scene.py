@@ -150,21 +150,22 @@ class SceneDrawing:
         `roughness` (V,) replaces each vertex's own, if the gloss had one for each.
         """
         drawn, renderer, before = self._object, self._canvas.renderer, self._scene
-        changed = [drawn.changed_by(scene.colours)]
+        is_still = scene.vertices is before.vertices and scene.peak == before.peak
+        if scene.edges is None and is_still and scene.ground is before.ground:
+            changed = [self._changed, drawn.changed_by(scene.colours)]
+            if roughness is not None:
+                marked = (roughness != self._roughness)[scene.faces].any(axis=1)
+                changed.append(scene.vertices[scene.faces[marked].ravel()])
+            self._changed = np.concatenate(changed)
+        else:
+            self._last = None
         if roughness is not None:
             assert self._roughness is not None, "the gloss had one for each"
-            marked = (roughness != self._roughness)[scene.faces].any(axis=1)
-            changed.append(scene.vertices[scene.faces[marked].ravel()])
             self._roughness = roughness.copy()
             _set_roughness(drawn, roughness)
         drawn.set_colours(scene.colours)
         if scene.edges is not None:
             set_edges(drawn.data, scene.edges)
-        is_still = scene.vertices is before.vertices and scene.peak == before.peak
-        if scene.edges is None and is_still and scene.ground is before.ground:
-            self._changed = np.concatenate([self._changed, *changed])
-        else:
-            self._last = None
         if scene.peak != before.peak:
             _light_body(renderer, scene.peak)
         if scene.ground is not None:

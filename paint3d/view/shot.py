@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from paint3d.core.arrays import AnyArray, as_number
 from paint3d.errors import InputError, UnknownNameError
 from paint3d.view.camera import Camera, View, find_view, fit_camera, studio_axes, vertex_areas
+from paint3d.view.daylight import Occluder
 from paint3d.view.edges import Edges
 from paint3d.view.picture import (
     LARGEST,
@@ -32,6 +33,7 @@ from paint3d.view.studio import LIGHTS, Gloss
 __all__ = [
     "AUTO",
     "FLAT",
+    "MOST_LIGHTS",
     "UNLIT",
     "VIEWS",
     "Moment",
@@ -56,6 +58,7 @@ SIZE = (1600, 1200)
 BORDER = 1.06  # size of a projection's frame over its content
 _ANGLES, _BANDS = 24, 32  # resolution of the body that a turning object sweeps
 _KEPT_BYTES = 300_000_000  # approximate cache size for the light on a turning object
+MOST_LIGHTS = 30  # angles of a turn at which the light is computed: softboxes are wider than these
 _ROUND = 1e-6
 _STEEP = 89.9  # elevation, degrees, beyond which the view is straight down, or up
 
@@ -204,7 +207,7 @@ def take_turning(
     """
     turns = (2.0 * np.pi * k / n_pictures for k in range(n_pictures))
     moments = (Moment(arrays[3], turn, edges=edges) for turn in turns)
-    return take_film(arrays, shot, moments, gloss, n_pictures)
+    return take_film(arrays, shot, moments, gloss, min(n_pictures, MOST_LIGHTS))
 
 
 class Moment(NamedTuple):
@@ -291,11 +294,15 @@ def _middle(vertices: AnyArray) -> AnyArray:
 def _turned(arrays: Arrays, turn: float) -> Arrays:
     """Rotate the object by `-turn` about the vertical axis through its middle."""
     vertices, faces, normals, srgb = arrays
-    c, s = np.cos(-turn), np.sin(-turn)
-    spin = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-    middle = _middle(vertices)
+    spin, middle = _spin(turn), _middle(vertices)
     moved = ((vertices - middle) @ spin.T + middle).astype(np.float32)
     return moved, faces, (normals @ spin.T).astype(np.float32), srgb
+
+
+def _spin(turn: float) -> NDArray[np.float64]:
+    """Return the rotation (3, 3) by `-turn` about the vertical axis."""
+    c, s = np.cos(-turn), np.sin(-turn)
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 def _lit(lights: _Lights, moments: Iterable[Moment], gloss: Gloss) -> Iterator[NDArray[np.uint8]]:
@@ -331,8 +338,11 @@ class _Lights:
         self, arrays: Arrays, view: View, size: tuple[int, int], setting: Setting, n: int
     ) -> None:
         self._arrays, self._view, self.size, self.setting, self._n = arrays, view, size, setting, n
-        self._still = light_object(arrays, view, size, setting)
         assert setting.stand is not None, "it does not move"
+        axes = self._axes = setting.stand.axes.astype(np.float32)
+        middle = axes.astype(np.float64) @ _middle(arrays[0])
+        self._occluder = Occluder(arrays[0] @ axes.T, arrays[1], middle if n else None)
+        self._still = light_object(arrays, view, size, setting, occluder=self._occluder)
         stand = setting.stand._replace(exposure=self._still.exposure)  # the same for all angles
         self._exposed = setting._replace(stand=stand)
         self._kept: dict[int, Lighting] = {}
@@ -350,28 +360,26 @@ class _Lights:
             return before
         after = self._lighting((k + 1) % self._n)
         vertices, _, normals, _ = _turned(self._arrays, turn)
-        axes = self._axes
+        ground = before.ground
+        if ground is not None and after.ground is not None:
+            shade = ground.openness + fraction * (after.ground.openness - ground.openness)
+            ground = replace(ground, openness=shade)
         return before._replace(
-            vertices=vertices @ axes.T,
-            normals=normals @ axes.T,
+            vertices=vertices @ self._axes.T,
+            normals=normals @ self._axes.T,
             light=before.light + fraction * (after.light - before.light),
-            ground=before.ground if fraction < 0.5 else after.ground,
+            ground=ground,
         )
-
-    @property
-    def _axes(self) -> AnyArray:
-        assert self._exposed.stand is not None, "it does not move"
-        axes: AnyArray = self._exposed.stand.axes.astype(np.float32)
-        return axes
 
     def _lighting(self, k: int) -> Lighting:
         """Return the light at the k-th angle, from the cache if it is there."""
         if k not in self._kept:
             while len(self._kept) >= self._most:
                 del self._kept[next(iter(self._kept))]
-            turned = _turned(self._arrays, 2.0 * np.pi * k / self._n)
-            view, size, setting = self._view, self.size, self._exposed
-            self._kept[k] = light_object(turned, view, size, setting, everywhere=True)
+            turn, axes = 2.0 * np.pi * k / self._n, self._axes.astype(np.float64)
+            occluder = self._occluder.turned(axes @ _spin(turn) @ axes.T)
+            turned, view = _turned(self._arrays, turn), self._view
+            self._kept[k] = light_object(turned, view, self.size, self._exposed, True, occluder)
         return self._kept[k]
 
 

@@ -150,20 +150,26 @@ def draw_bamboo_fan(file: Path, _: Path) -> None:
 def draw_named_cup(file: Path, _: Path) -> None:
     """From the side, and from above."""
     with TemporaryDirectory() as folder:
-        at = partial(Path, folder)
-        revolve(np.array(CUP, float), sections=192).export(at("cup.stl"))
-        run("write", "西湖林和靖先生", "--on", at("cup.stl"), "--up", "z", "--unit", "mm",
-            "--around", "--size", 27, "--layout", "row", "--at", "0.5,0.62", "--resolution", 0.2,
-            "--out", at("named.p3d"))  # fmt: skip
-        surface = load_session(at("named.p3d")).surface
-        plum(surface)
-        save_session(Session(surface), at("cup.p3d"))
+        painting, picture = named_cup(Path(folder)), Path(folder, "a.png")
         pictures = []
         for view, zoom, light in (("0,16", 1.15, "studio"), ("8,60", 1.15, "soft")):
-            run("picture", at("cup.p3d"), "--view", view, "--pixels", "1200x1100", "--zoom", zoom,
-                "--light", light, "--out", at("a.png"))  # fmt: skip
-            pictures.append(Image.open(at("a.png")).convert("RGB"))
+            run("picture", painting, "--view", view, "--pixels", "1200x1100", "--zoom", zoom,
+                "--light", light, "--out", picture)  # fmt: skip
+            pictures.append(Image.open(picture).convert("RGB"))
     beside(pictures).save(file, quality=90, method=6)
+
+
+def named_cup(folder: Path) -> Path:
+    """Paint the cup into a folder; the painting."""
+    at = partial(Path, folder)
+    revolve(np.array(CUP, float), sections=192).export(at("cup.stl"))
+    run("write", "西湖林和靖先生", "--on", at("cup.stl"), "--up", "z", "--unit", "mm",
+        "--around", "--size", 27, "--layout", "row", "--at", "0.5,0.62", "--resolution", 0.2,
+        "--out", at("named.p3d"))  # fmt: skip
+    surface = load_session(at("named.p3d")).surface
+    plum(surface)
+    save_session(Session(surface), at("cup.p3d"))
+    return at("cup.p3d")
 
 
 def plum(surface: PaintedSurface) -> None:

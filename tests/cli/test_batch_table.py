@@ -63,6 +63,7 @@ def test_a_row_is_what_one_would_type(tmp_path):
         ("text,object\n", "there is no column output"),
         ("object,output\n", "there is no column text or recording"),
         ("text,object,output,brusch\n", "unknown column 'brusch'; did you mean brush?"),
+        ("text,on,output\n", "unknown column 'on'; did you mean object?"),
         ("text,object,output,quiet\n", "unknown column 'quiet'"),
         ("text,object,output,h\n", "unknown column 'h'"),
         ("text,text,object,output\n", "two columns have the same name"),

@@ -67,7 +67,7 @@ def test_the_program_by_itself_says_what_it_can_do(capsys) -> None:
         (["wrte", "永"], "there is no command 'wrte'; did you mean write?"),
         (["gui"], "there is no command 'gui'; did you mean paint?"),
         (["devices", "lst"], "there is no deed 'lst'; did you mean list?"),
-        (["write", "永", "--on", "bowl", "--ot", "a.ply"], "required: --out; did you mean --out?"),
+        (["write", "永", "--on", "bowl", "--ot", "a.ply"], "there is no --ot; did you mean --out?"),
         (["write", "永", "--on", "bowl", "--out", "a.ply", "--sise", "3"], "did you mean --size?"),
         (["write", "永", "--on", "bwl", "--out", "a.ply"], "did you mean bowl?"),
         (["picture", "bowl", "--out", "a.png", "--light", "soff"], "did you mean soft?"),

@@ -129,6 +129,26 @@ def test_the_brush_is_seen_with_its_ink_and_hides(painter: Painter) -> None:
     scene.close()
 
 
+def test_a_brush_that_is_filmed_hides_what_it_paints_and_has_no_outline(painter: Painter) -> None:
+    scene = LiveScene((200, 160))
+    surface = painter.surface
+    scene.clear(np.zeros(3), 140.0, Gloss.of("xuan"))
+    scene.set_camera(fit_camera(surface.source.vertices, View((0, -1, 0.4)), 1.25))
+    stand, seen = stand_at(painter, 20.0, 0.6), {}
+    empty = scene.draw()[..., :3].astype(int)
+    for as_filmed in (False, True):
+        brush = LiveBrush(scene, painter.tuft, "goat", as_filmed=as_filmed)
+        just_painted = stand.root[None] - [0.0, 0.0, 20.0]
+        brush.show(stand, surface.contact_tree, np.eye(3), (0, 0, 0), 1.0, just_painted)
+        seen[as_filmed] = scene.draw()[..., :3].astype(int)
+        brush.remove()
+    scene.close()
+    dark = {kind: (empty - pixels).sum(axis=2) for kind, pixels in seen.items()}
+    assert (dark[True] > 300).sum() > 3 * (dark[False] > 300).sum()
+    red = {kind: (p[..., 0] > p[..., 1] + 60).sum() for kind, p in seen.items()}
+    assert red[True] == 0 < red[False]
+
+
 def test_the_box_of_the_brush_follows_the_view(painter: Painter) -> None:
     scene = LiveScene((200, 150))
     brush = LiveBrush(scene, painter.tuft)

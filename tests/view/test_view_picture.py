@@ -332,6 +332,22 @@ def test_the_floor_is_dark_under_the_object_and_free_far_away():
     assert ground.openness[[0, 0, -1, -1], [0, -1, 0, -1]].min() > 0.95
 
 
+def test_an_object_that_turns_shades_the_floor_as_if_it_had_been_built_so() -> None:
+    """On a floor that stays where it is, however far the object reaches now."""
+    vertices, faces, _ = ball()
+    vertices = (vertices * [3.0, 1.0, 1.0] + [40.0, 0.0, 0.0]).astype(np.float32)
+    quarter, middle = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.zeros(3)
+    suns = light_samples(48)[::6]
+    still = Occluder(vertices, faces, middle)
+    turned = light_ground(still.turned(quarter), suns)
+    built = light_ground(Occluder(vertices @ quarter.T, faces, middle), suns)
+    before = light_ground(still, suns)
+    assert turned.half == built.half == before.half
+    np.testing.assert_array_equal(turned.origin, before.origin)
+    assert np.abs(turned.openness - built.openness).mean() < 1e-3
+    assert np.abs(turned.openness - before.openness).mean() > 1e-2
+
+
 def test_samples_of_the_studio_cover_the_sphere_evenly():
     suns = light_samples()
     directions = np.array([sun.direction for sun in suns])
@@ -563,7 +579,7 @@ def test_a_picture_loads_no_package_that_takes_longer_than_itself(tmp_path) -> N
         "from paint3d.files.pictures import write_picture\n"
         "from paint3d.view.shot import Shot\n"
         "write_picture(load_mesh('bowl'), sys.argv[1], Shot(size=(64, 48)))\n"
-        "print(*{'matplotlib', 'numba', 'pyvista'} & set(sys.modules))\n"
+        "print(*{'matplotlib', 'numba', 'pyvista', 'scipy.ndimage'} & set(sys.modules))\n"
     )
     ran = subprocess.run(
         [sys.executable, "-c", code, str(tmp_path / "bowl.png")], capture_output=True, text=True

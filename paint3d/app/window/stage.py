@@ -68,6 +68,8 @@ class Stage:
         Of the object, to place the camera by, mm.
     light : (str, float)
         See `LiveLight.setting`.
+    as_filmed : bool
+        Whether the next brush is drawn for those who look on; see `LiveBrush`.
     """
 
     def __init__(self, size: tuple[int, int], mood: Background = LIGHT) -> None:
@@ -76,6 +78,7 @@ class Stage:
         self.frame: PaintingFrame | None = None
         self.points: AnyArray = np.empty((0, 3), np.float32)
         self.shows_brush = self.shows_mask = True
+        self.as_filmed = False
         self._stencil: Stencil | None = None
         self._object: LiveObject | None = None
         self._brush: LiveBrush | None = None
@@ -464,8 +467,9 @@ class Stage:
             if self._brush is not None:
                 self._drawn.touch_front(self.brush_box)
                 self._brush.remove()
+            spec = painting.brush
             self._brush = LiveBrush(
-                self.scene, painting.tuft, painting.brush.hair, painting.bristles
+                self.scene, painting.tuft, spec.hair, painting.bristles, self.as_filmed
             )
             self._brush_spec = painting.brush
         self._drawn.touch_front(self._brush.screen_box())

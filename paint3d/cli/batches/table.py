@@ -127,6 +127,9 @@ def _text(path: Path) -> str:
         ) from None
 
 
+_COLUMN_OF = {"on": "object", "out": "output"}  # by what other commands call it
+
+
 def check_columns(where: str, header: list[str], known: Collection[str]) -> None:
     """Refuse columns that are not known, or of one name.
 
@@ -137,7 +140,7 @@ def check_columns(where: str, header: list[str], known: Collection[str]) -> None
     """
     for name in header:
         if name not in known:
-            near = hint(name, known)
+            near = hint(_COLUMN_OF.get(name, name), known)
             raise InputError(
                 "{where}: unknown column {name!r}{near}; expected {known}",
                 where=where,
