@@ -324,6 +324,26 @@ def test_blotting_paper_lifts_what_is_wet_and_leaves_what_is_dry() -> None:
         document.blot(2.0)
 
 
+def test_a_dry_brush_takes_up_what_is_wet_where_it_is_asked_to() -> None:
+    document = small_plane(material="porcelain")
+    document.dip("pine soot")
+    paint(document, (-15.0, 0.0), (15.0, 0.0))
+    document.rinse()
+    document.set_pickup(0.2)
+    surface, painter = document.surface, document.painter
+    before = surface.wet_ink()
+    paint(document, (-15.0, 0.0), (15.0, 0.0))
+    assert surface.wet_ink() < 0.8 * before
+    assert painter.in_brush() == pytest.approx(before - surface.wet_ink())
+    close(document)
+    document.dry()
+    document.rinse()
+    dry = surface.dry_ink()
+    paint(document, (-15.0, 0.0), (15.0, 0.0))
+    assert surface.dry_ink() == dry
+    assert painter.in_brush() == 0.0
+
+
 def test_its_key_blots(window) -> None:
     window.stage.paint_thread.post("dip", "pine soot").result(300)
     drag(window.canvas, (0.35, 0.5), (0.65, 0.5))

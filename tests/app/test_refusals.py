@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
+
+from PySide6 import QtCore
 
 from paint3d.app.model.document import Document
 from paint3d.app.window.wording import choose_language, say_error
 from paint3d.errors import InputError, MeshError
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.surface.painted_surface import PaintedSurface
-from tests.support.app.gestures import drag, live, wait_for
+from tests.support.app.gestures import drag, live, pen_stroke, type_key, wait_for
 from tests.support.app.windows import faults, opened, settled
 from tests.support.cases import long_but
 
@@ -119,3 +123,36 @@ def test_what_is_refused_names_no_option_of_the_command_line() -> None:
         PaintedSurface(TriangleMesh(1e8 * np.eye(3), [[0, 1, 2]]), 0.1)
     assert "--" not in say_error(caught.value)
     assert "expected another unit" in say_error(caught.value)
+
+
+def test_a_locked_layer_takes_no_paint_from_a_pen_nor_from_the_brush_itself(window) -> None:
+    """Whatever asks for paint says so, and changes nothing: a pen, a text, the keys that dry."""
+    assert window.copying.layout_text("一", 60.0, True)
+    wait_for(lambda: window.document.texts)
+    settled(window)
+    before = window.document.surface.painted.sum()
+    window.workspace.post("set_locked", 0)
+    settled(window)
+    steps = list(window.document.steps.done)
+
+    def by_pen() -> None:
+        pen_stroke(window.canvas, (0.4, 0.5), (0.6, 0.5), [0.5] * 12)
+
+    shift, key = QtCore.Qt.KeyboardModifier.ShiftModifier, QtCore.Qt.Key
+    keys = [
+        partial(type_key, window.canvas, one, shift) for one in (key.Key_T, key.Key_W, key.Key_E)
+    ]
+    for act in (by_pen, *keys):
+        window.workspace.tell("")
+        act()
+        wait_for(lambda: "“Layer 1” is locked" in window.status.message_label.text())
+        wait_for(lambda: not window.player.is_playing)
+        settled(window)
+        assert list(window.document.steps.done) == steps
+        assert window.document.surface.painted.sum() == before
+    window.workspace.post("set_locked", 0, False)
+    type_key(window.canvas, key.Key_T, shift)
+    wait_for(lambda: window.document.strokes and not window.player.is_playing)
+    for _ in range(2):
+        window.workspace.post("undo")
+    settled(window)

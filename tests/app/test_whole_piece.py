@@ -21,7 +21,16 @@ from paint3d.app.window.files.exporting import ExportDialog
 from paint3d.app.window.object.new_dialog import NewDialog
 from paint3d.app.window.seal import SealDialog
 from paint3d.core.arrays import AnyArray
-from tests.support.app.gestures import answer, click_button, drag, take_file, type_key, wait_for
+from tests.support.app.gestures import (
+    KIND,
+    answer,
+    click_button,
+    drag,
+    mouse,
+    take_file,
+    type_key,
+    wait_for,
+)
 from tests.support.app.hands import same_vertices
 from tests.support.app.windows import opened, pretend_saved, settled
 
@@ -143,7 +152,16 @@ def test_a_signed_scroll_comes_about_by_what_each_dialog_proposes(window, tmp_pa
     assert columns.mean() < black[1].mean()  # and to the left
 
 
-def test_a_seal_waits_in_the_hand_while_the_brush_writes(window) -> None:
+def test_a_seal_waits_in_the_hand_while_the_brush_writes(window, monkeypatch) -> None:
+    """Then it is said again how to press it; where Enter does is shown wherever the pointer is."""
+    shown = {}
+    draw = window.stage.show_lines
+
+    def note(name: str, lines, *how) -> None:
+        shown[name] = list(lines)
+        draw(name, lines, *how)
+
+    monkeypatch.setattr(window.stage, "show_lines", note)
     window.workspace.update_settings(wet=False)
     begin(window, "scroll:60x200")
     lay_out(window, "一")
@@ -157,6 +175,12 @@ def test_a_seal_waits_in_the_hand_while_the_brush_writes(window) -> None:
     assert "still writing" in window.status.message_label.text()
     window.player.pause(False)
     wait_for(lambda: len(window.document.strokes) == 1 and not window.player.is_playing)
+    assert "Enter presses" in window.status.message_label.text()
+    beside = len(shown["seal"])
+    mouse(window.canvas, KIND.MouseMove, 2.0, 2.0)
+    assert len(shown["seal"]) == beside > 0
+    mouse(window.canvas, KIND.MouseMove, 0.5 * window.canvas.width(), 0.5 * window.canvas.height())
+    assert len(shown["seal"]) == 2 * beside
     type_key(window.canvas, KEY.Key_Return)
     wait_for(lambda: window.document.pressed_seals())
 

@@ -336,14 +336,19 @@ class Sealing(QtCore.QObject):
         workspace.canvas.setCursor(QtCore.Qt.CursorShape.CrossCursor)
         self._hide_brush(True)
         workspace.canvas.setFocus()
-        if proposed is None:
-            workspace.tell(say("Click where to press the seal; Esc cancels"), stays=True)
-        else:
-            self._show_outline(proposed.point, proposed.up)
+        self._show_outline(None)
+        self.say_how()
+
+    def say_how(self) -> None:
+        """Say how the stone in the hand is pressed, if there is one."""
+        if self.seal is None:
+            return
+        message = say("Click where to press the seal; Esc cancels")
+        if self._proposed_at is not None:
             message = say(
-                "Enter presses the seal where it is shown; click to press it elsewhere; Esc cancels"
+                "Enter presses the seal below the text; click to press it elsewhere; Esc cancels"
             )
-            workspace.tell(message, stays=True)
+        self._workspace.tell(message, stays=True)
 
     def let_be(self) -> None:
         """Put the stone away without pressing it."""
@@ -380,28 +385,37 @@ class Sealing(QtCore.QObject):
         self._workspace.stage.shows_brush = shown and not away
         self._workspace.stage.touch()
 
-    def _show_outline(self, point: AnyArray | None, up: AnyArray | None = None) -> None:
-        """Draw the outline of the stone's print at a point (3,) of the object, in its true size."""
-        stage, seal = self._workspace.stage, self.seal
+    def _show_outline(self, point: AnyArray | None) -> None:
+        """Draw the outline of the stone's print, in its true size.
+
+        It is drawn at a point (3,) of the object, and where Enter presses it.
+        """
+        stage, seal, proposed = self._workspace.stage, self.seal, self._proposed_at
         if stage.paint_thread is None:
             return
         lines: list[AnyArray] = []
-        if point is not None and seal is not None:
-            surface = self._workspace.hand.surface
-            if up is None:
-                up = picture_axes(self._workspace.hand.open_camera)[1]
-            frame = frame_at(surface, point, up)
-            half = 0.5 * np.array([seal.width_mm, seal.height_mm])
-            along = np.linspace(-1.0, 1.0, _RIM_POINTS)[:, None]
-            ends = np.ones((_RIM_POINTS, 1))
-            sides = [(along, -ends), (ends, along), (-along, ends), (-ends, -along)]
-            rim = half * np.concatenate([np.hstack(side) for side in sides])
-            for ring in (rim, *seal.rings):
-                closed = np.concatenate([ring, ring[:1]])
-                across = np.outer(closed[:, 0], frame.x_axis) + np.outer(closed[:, 1], frame.y_axis)
-                hits = surface.find(frame.origin + across)
-                lines.append(hits.points + _LIFT_MM * hits.normals)
+        if seal is not None and proposed is not None:
+            lines += self._print_of(seal, proposed.point, proposed.up)
+        if seal is not None and point is not None:
+            lines += self._print_of(seal, point, picture_axes(self._workspace.hand.open_camera)[1])
         stage.show_lines("seal", lines, (*_CINNABAR, 220), 1.3)
+
+    def _print_of(self, seal: Seal, point: AnyArray, up: AnyArray) -> list[AnyArray]:
+        """Return lines (N, 3) on the object along the rim and the rings of a print there."""
+        surface = self._workspace.hand.surface
+        frame = frame_at(surface, point, up)
+        half = 0.5 * np.array([seal.width_mm, seal.height_mm])
+        along = np.linspace(-1.0, 1.0, _RIM_POINTS)[:, None]
+        ends = np.ones((_RIM_POINTS, 1))
+        sides = [(along, -ends), (ends, along), (-along, ends), (-ends, -along)]
+        rim = half * np.concatenate([np.hstack(side) for side in sides])
+        lines = []
+        for ring in (rim, *seal.rings):
+            closed = np.concatenate([ring, ring[:1]])
+            across = np.outer(closed[:, 0], frame.x_axis) + np.outer(closed[:, 1], frame.y_axis)
+            hits = surface.find(frame.origin + across)
+            lines.append(hits.points + _LIFT_MM * hits.normals)
+        return lines
 
     def _take(self, touch: Touch) -> bool:
         """Press it where a mouse, a pen or a finger is lifted; show it where that is over it."""

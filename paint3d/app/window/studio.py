@@ -285,6 +285,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.hand.began.connect(self.player.give_way)
         self.hand.began.connect(self.panels.history.give_way)
         self.player.moved.connect(self._allow_undo)
+        self.player.moved.connect(lambda share: self.sealing.say_how() if share < 0.0 else None)
         canvas = self.canvas
         for moved in (canvas.touched, canvas.steered, canvas.gestured, canvas.wheeled):
             moved.connect(self._wake)

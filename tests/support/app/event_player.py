@@ -29,9 +29,12 @@ __all__ = [
     "DeviceEvent",
     "EventPlayer",
     "EventRecording",
+    "buttons_of",
     "hand_over",
+    "modifiers_of",
     "open_for",
     "pen_ways",
+    "pixel_of",
     "surface_of",
     "without_slips",
 ]
@@ -82,23 +85,31 @@ class DeviceEvent:
     ----------
     device : {"pen", "eraser", "mouse", "touch", "key", "painting"}
         "painting" is no device: its "hold" and "go on" say when the painting stands still.
-    kind : {"press", "move", "release", "hold", "go on"}
+    kind : {"press", "move", "release", "wheel", "hold", "go on"}
     place : tuple or None
         See the header's `places`.
     pressure : float
         0 to 1.
+    notches : float
+        Of a wheel.
     tilt : (float, float)
         Degrees to the right, and towards the user.
     rotation : float
         Degrees clockwise about the pen's axis.
+    button : str
+        That is pressed or let go.
     buttons, modifiers : tuple of str
         That are held after it.
-    key : str
-        As `QKeySequence` writes it.
+    key, text : str
+        As `QKeySequence` writes it, and what it types.
     id : int
         Of a finger.
     time_ms, handled_ms : int
         When it happened, by the device's clock, and when it reached the program.
+    on, window : str
+        The control, as a screen reader calls it, and the window: see `controls`.
+    hasty : bool
+        It was done before all was done that was asked for earlier.
     """
 
     device: str
@@ -107,12 +118,18 @@ class DeviceEvent:
     pressure: float = 0.0
     tilt: tuple[float, float] = (0.0, 0.0)
     rotation: float = 0.0
+    button: str = "left"
     buttons: tuple[str, ...] = ()
     modifiers: tuple[str, ...] = ()
     key: str = ""
+    text: str = ""
+    notches: float = 0.0
     id: int = 0
     time_ms: int = 0
     handled_ms: int = 0
+    on: str = ""
+    window: str = ""
+    hasty: bool = False
 
     @classmethod
     def from_row(cls, row: dict) -> DeviceEvent:
@@ -405,8 +422,8 @@ class EventPlayer(QtCore.QObject):
         button = NO_BUTTON if event.kind == "move" else BUTTONS["left"]
         return QtGui.QTabletEvent(
             TABLET_KINDS[event.kind], PENS[event.device], place, self._canvas.mapToGlobal(place),
-            event.pressure, *event.tilt, 0.0, event.rotation, 0.0, _modifiers(event), button,
-            _buttons(event),
+            event.pressure, *event.tilt, 0.0, event.rotation, 0.0, modifiers_of(event), button,
+            buttons_of(event),
         )  # fmt: skip
 
     def _mouse(self, event: DeviceEvent) -> QtGui.QMouseEvent:
@@ -414,14 +431,14 @@ class EventPlayer(QtCore.QObject):
         button = NO_BUTTON if event.kind == "move" else BUTTONS["left"]
         return QtGui.QMouseEvent(
             MOUSE_KINDS[event.kind], place, self._canvas.mapToGlobal(place), button,
-            _buttons(event), _modifiers(event),
+            buttons_of(event), modifiers_of(event),
         )  # fmt: skip
 
     def _send_key(self, event: DeviceEvent) -> None:
         combination = QtGui.QKeySequence(event.key)[0]
         press = event.kind == "press"
         action = QtTest.QTest.KeyAction.Press if press else QtTest.QTest.KeyAction.Release
-        modifiers = combination.keyboardModifiers() | _modifiers(event)
+        modifiers = combination.keyboardModifiers() | modifiers_of(event)
         QtTest.QTest.keyEvent(action, self._window, combination.key(), modifiers, 0)
 
     def _send_touch(self, event: DeviceEvent) -> None:
@@ -451,14 +468,16 @@ class EventPlayer(QtCore.QObject):
             self._held = None
 
 
-def _buttons(event: DeviceEvent) -> QtCore.Qt.MouseButton:
+def buttons_of(event: DeviceEvent) -> QtCore.Qt.MouseButton:
+    """Return the buttons that are held after an event."""
     held = NO_BUTTON
     for name in event.buttons:
         held |= BUTTONS[name]
     return held
 
 
-def _modifiers(event: DeviceEvent) -> QtCore.Qt.KeyboardModifier:
+def modifiers_of(event: DeviceEvent) -> QtCore.Qt.KeyboardModifier:
+    """Return the keys that are held with an event."""
     held = QtCore.Qt.KeyboardModifier.NoModifier
     for name in event.modifiers:
         held |= MODIFIERS[name]

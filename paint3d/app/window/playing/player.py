@@ -440,9 +440,9 @@ class Player(QtCore.QObject):
             if not self._is_paused:
                 replay.hand_on(paint_thread, self._clock.seconds)
         elif replay.is_over:
-            self._forget()
             if not self._refused:
                 self._workspace.tell(say("Ready"))
+            self._forget()
 
     def stop(self) -> None:
         """Lift the brush where it is, if something is playing; what waits is not painted."""
