@@ -112,7 +112,7 @@ vec3 sharpened(vec3 bare, vec3 ink, vec2 shares, float wide) {
   return mix(vec3(mean), light, min(mean / 0.03, 1.0));
 }
 """
-_TOOTH = 0.7  # shares that an edge is moved by where grain doubles what is seen of ink; by eye
+_TOOTH = 0.5  # shares that an edge is moved by where grain doubles what is seen of ink; by eye
 _TORN = 60.0  # times as deep where the sheet is as much brighter: calm for long, then torn; by eye
 _FRAGMENT = f"""
   painted = vertexColorVSOutput.xyz;  // as `.rgb` of it is replaced, see `draw_edges`
@@ -147,7 +147,7 @@ class EdgeShaders(NamedTuple):
         if paper is None:
             return f"  float moreInk = 0.0, torn = 0.0;\n{self.fragment}"
         return f"""  vec2 ofSheet = {paper.read};
-  float moreInk = ofSheet.y, torn = clamp(1.0 + {_TORN:.1f} * ofSheet.x, 0.1, 3.0);
+  float moreInk = ofSheet.y, torn = pow(clamp(1.0 + {_TORN:.1f} * ofSheet.x, 0.1, 3.0), 1.5);
 {self.fragment}
   painted = in_grain(painted, bareCodes, moreInk, surfacePlace);
 """

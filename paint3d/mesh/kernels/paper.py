@@ -20,11 +20,11 @@ __all__ = ["MOST_ASIDE_MM", "lay_paper", "lay_paper_at"]
 
 # h_k, half a wavelength, and a_k along each axis: mm. Set so that edges on xuan are somewhat
 # smoother than those of ink on raw practice paper in each octave of .13 to 2.1 mm.
-_EDGE = ((0.09, 0.0045), (0.19, 0.0105), (0.38, 0.026), (0.75, 0.048), (1.4, 0.075), (3.1, 0.12))
+_EDGE = ((0.09, 0.0045), (0.19, 0.0105), (0.38, 0.023), (0.75, 0.044), (1.4, 0.075), (3.1, 0.12))
 # An edge is calm for long, then torn: h and deviation of the log of each, up to which h all of it
-# counts, from there on its root, and the most of it. What is torn is fine; coarse bumps that come
-# all at once look like beads on a smooth rod.
-_RAGGED, _SMOOTH_MM, _MOST_RAGGED = ((4.0, 0.9), (13.0, 0.55)), 0.3, 5.0
+# counts, from there on this power of it, and the most of it. What is torn is fine above all; coarse
+# bumps that come all at once look like beads on a smooth rod.
+_RAGGED, _SMOOTH_MM, _SMOOTH, _MOST_RAGGED = ((4.0, 1.0), (13.0, 0.6)), 0.3, 0.75, 5.0
 # Fibres that draw an edge on or keep it off: h of the noise along whose zeros they lie, and half
 # their width as a deviation of it; how far, mm, h of the noise that gives the direction, and the
 # most of `ragged` that counts; half the wavelength that vertices have to show.
@@ -104,7 +104,7 @@ def lay_paper_at(field, v):
     for n in range(len(_EDGE)):
         length, shift = _EDGE[n]
         shift *= amount * _shown(length, apart)
-        shift *= ragged if length < _SMOOTH_MM else np.sqrt(ragged)
+        shift *= ragged if length < _SMOOTH_MM else ragged**_SMOOTH
         if shift > 0.0:
             dx, dy, dz = _noise3(a / length, b / length, c / length, 17 + n)
             wx += shift * dx
