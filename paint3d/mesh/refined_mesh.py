@@ -262,7 +262,7 @@ class PaintMesh:
     @property
     def n_blocks(self) -> int:
         """Number of blocks of neighbouring base vertices."""
-        return self.arrays.block_balls.shape[1]
+        return len(self.arrays.block_balls[0])
 
     @property
     def n_sheets(self) -> int:
