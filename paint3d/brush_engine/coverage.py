@@ -70,9 +70,9 @@ class Chords(NamedTuple):
     points: NDArray  # (2, 2, PROFILE_CELLS + 1, 2) float64, both sides of both stamps' outlines
     flanks: NDArray  # (2, 4) float64, y and x of their lowest points, and of their highest
     grids: NDArray  # (2, 3) float64, y of the first line, lines to the mm, steps to the last line
-    cuts: NDArray  # (4, _ROWS MOST_LINES + 1) float64, y of cuts through one, where they enter and
+    cuts: NDArray  # (7, _ROWS MOST_LINES + 1) float64, y of cuts through one, where they enter and
     # leave it, and what is worked in
-    sums: NDArray  # (_ROWS MOST_LINES + 1, 4) float64, of what the cuts find, from the first on
+    sums: NDArray  # (4, 2 MOST_LINES) float64, of what the cuts find, up to each line
     nodes: NDArray  # (2, 4, MOST_LINES) float64, where ramps of lines lie and how steep they are
     lines: NDArray  # (2, MOST_LINES * _ROW) uint32, the tables
     bands: NDArray  # (4, LEVELS * BANDS) float32: from where on a box may be covered on the way,
@@ -86,8 +86,8 @@ def make_chords() -> Chords:
         np.zeros((2, 2, PROFILE_CELLS + 1, 2)),
         np.zeros((2, 4)),
         np.zeros((2, 3)),
-        np.zeros((4, cuts)),
-        np.zeros((cuts, 4)),
+        np.zeros((7, cuts)),
+        np.zeros((4, 2 * _MOST_LINES)),
         np.zeros((2, 4, _MOST_LINES)),
         np.zeros((2, _MOST_LINES * _ROW), np.uint32),
         np.zeros((4, LEVELS * BANDS), np.float32),
@@ -226,11 +226,12 @@ def _fill_lines(points, flanks, box, grid, cuts, sums, nodes, lines):
     inner = min(inner, _MOST_LINES - 4)
     apart = breadth / inner
     reach = max(1, int(np.round(0.5 * box / apart)))  # lines to half a box
-    steps, n = inner + 2 * reach, inner * _ROWS
+    steps = inner + 2 * reach
     grid[0], grid[1], grid[2] = flanks[0] - reach * apart, 1.0 / apart, steps
-    _sum_cuts(points, flanks, n, apart / _ROWS, cuts, sums)
-    _find_ramps(steps, 2 * reach * _ROWS, n, box, sums, nodes)
+    _sum_cuts(points, flanks, inner, apart / _ROWS, 2 * reach, cuts, sums)
     for column in range(2):
+        means, squares = sums[2 * column], sums[2 * column + 1]
+        _find_ramps(steps, 2 * reach, inner, box, means, squares, nodes[column], nodes[2 + column])
         ramp = nodes[column]
         ramp[0] = _at_flank(flanks[1], ramp[1], ramp[2])
         ramp[steps] = _at_flank(flanks[3], ramp[steps - 1], ramp[steps - 2])
@@ -269,33 +270,32 @@ def _second(pair):
     return np.uint32(pair << _HALF_BITS).view(np.float32)
 
 
-@uncounted(error_model="numpy")
-def _find_ramps(steps, many, n, box, sums, nodes):
+@uncounted(error_model="numpy", apart=True)
+def _find_ramps(steps, many, inner, box, means, squares, middles, steeps):
     """Find the middles and steepnesses of ramps on the lines between the first and the last.
 
     Parameters
     ----------
     steps : int
-    many, n : int
-        Rows of a box, and of the outline; the box of the first line ends where these begin.
+    many, inner : int
+        Lines to a box, and within the outline; the box of the first line ends where these begin.
     box : float
         Width of a box, mm.
-    sums : (n + 1, 4) float64
-    nodes : (4, steps or more) float64
+    means, squares : (steps + many or more,) float64
+        Two rows of `_sum_cuts`.
+    middles, steeps : (steps or more,) float64
         Filled, but for the first and the last.
     """
-    box2 = box * box
+    box2, box_lines, within = box * box, np.float64(many), np.float64(inner)
+    means_then, squares_then = means[many:], squares[many:]
     for k in range(1, steps):
-        end, first = min(n, k * _ROWS), max(0, k * _ROWS - many)
-        part = 1.0 / (end - first)
-        enters = (sums[end, 0] - sums[first, 0]) * part
-        leaves = (sums[end, 2] - sums[first, 2]) * part
-        spread = (sums[end, 1] - sums[first, 1]) * part - enters * enters
-        spread_out = (sums[end, 3] - sums[first, 3]) * part - leaves * leaves
-        nodes[0, k], nodes[1, k] = enters, leaves
+        line = np.float64(np.int32(k))
+        part = 1.0 / (_ROWS * (min(within, line) - max(0.0, line - box_lines)))
+        middle = (means_then[k] - means[k]) * part
+        spread = (squares_then[k] - squares[k]) * part - middle * middle
+        middles[k] = middle
         # what lies evenly over a width spreads by a twelfth of its square
-        nodes[2, k] = 1.0 / np.sqrt(box2 + 12.0 * max(0.0, spread))
-        nodes[3, k] = 1.0 / np.sqrt(box2 + 12.0 * max(0.0, spread_out))
+        steeps[k] = 1.0 / np.sqrt(box2 + 12.0 * max(0.0, spread))
 
 
 @uncounted(error_model="numpy", forceinline=True)
@@ -309,11 +309,13 @@ def _at_flank(flank, near, far):
 
 
 @uncounted(error_model="numpy")
-def _sum_cuts(points, flanks, n, apart, cuts, sums):
-    """Sum where n + 1 cuts from flank to flank enter and leave an outline, and their squares.
+def _sum_cuts(points, flanks, inner, apart, many, cuts, sums):
+    """Sum where cuts from flank to flank enter and leave an outline, and their squares, by lines.
 
-    From one to the next both go straight.
+    From one cut to the next both go straight; `inner` lines have _ROWS of them each. Sums are 0 up
+    to the line `many`, and go on as they are as many lines beyond the last.
     """
+    n = inner * _ROWS
     at, enters, leaves = cuts[0], cuts[1], cuts[2]
     for k in range(n):
         at[k] = flanks[0] + k * apart
@@ -325,13 +327,29 @@ def _sum_cuts(points, flanks, n, apart, cuts, sums):
     for ends in (enters, leaves):
         ends[0] = _at_flank(flanks[1], ends[1], ends[2])
         ends[n] = _at_flank(flanks[3], ends[n - 1], ends[n - 2])
-    sums[0] = 0.0
+    _find_terms(n, enters, cuts[3], cuts[4])
+    _find_terms(n, leaves, cuts[5], cuts[6])
+    sums[:, : many + 1] = 0.0
+    enter, enter2, leave, leave2 = 0.0, 0.0, 0.0, 0.0
+    for line in range(inner):
+        for k in range(line * _ROWS, (line + 1) * _ROWS):
+            enter += cuts[3, k]
+            enter2 += cuts[4, k]
+            leave += cuts[5, k]
+            leave2 += cuts[6, k]
+        to = many + 1 + line
+        sums[0, to], sums[1, to], sums[2, to], sums[3, to] = enter, enter2, leave, leave2
+    for k in range(many + 1 + inner, 2 * many + inner):
+        sums[0, k], sums[1, k], sums[2, k], sums[3, k] = enter, enter2, leave, leave2
+
+
+@uncounted(error_model="numpy", apart=True)
+def _find_terms(n, ends, means, squares):
+    """Fill the means of `n` straight pieces between neighbouring ends, and those of squares."""
     for k in range(n):
-        a, b, c, d = enters[k], enters[k + 1], leaves[k], leaves[k + 1]
-        sums[k + 1, 0] = sums[k, 0] + 0.5 * (a + b)
-        sums[k + 1, 1] = sums[k, 1] + (a * a + a * b + b * b) * (1.0 / 3.0)
-        sums[k + 1, 2] = sums[k, 2] + 0.5 * (c + d)
-        sums[k + 1, 3] = sums[k, 3] + (c * c + c * d + d * d) * (1.0 / 3.0)
+        a, b = ends[k], ends[k + 1]
+        means[k] = 0.5 * (a + b)
+        squares[k] = (a * a + a * b + b * b) * (1.0 / 3.0)
 
 
 @uncounted(error_model="numpy")
@@ -346,39 +364,63 @@ def _fill_bands(sweep, chords):
     per_mm = BANDS / (max(flanks[0, 2], flanks[1, 2]) + half - first)
     sweep.first, sweep.per_mm = first, per_mm
     bands[0], bands[1], bands[2], bands[3] = _NOWHERE, -_NOWHERE, -_NOWHERE, _NOWHERE
+    least, most, whole_from, whole_to = (
+        chords.cuts[0],
+        chords.cuts[1],
+        chords.cuts[2],
+        chords.cuts[3],
+    )
     for stamp in range(2):
         nodes, grid = chords.nodes[stamp], chords.grids[stamp]
         steps, shift = int(grid[2]), (grid[0] - first) * per_mm
         to_bands = per_mm / grid[1]
+        _find_reach(
+            steps, nodes[0], nodes[1], nodes[2], nodes[3], least, most, whole_from, whole_to
+        )
         for j in range(steps):
-            enters, enters_next = nodes[0, j], nodes[0, j + 1]
-            leaves, leaves_next = nodes[1, j], nodes[1, j + 1]
-            wide = (0.5 + _SLACK) / min(nodes[2, j], nodes[2, j + 1])
-            wide += _SLACK * abs(enters_next - enters)
-            wide_out = (0.5 + _SLACK) / min(nodes[3, j], nodes[3, j + 1])
-            wide_out += _SLACK * abs(leaves_next - leaves)
-            least, most = min(enters, enters_next) - wide, max(leaves, leaves_next) + wide_out
-            whole_from = max(enters, enters_next) + wide
-            whole_to = min(leaves, leaves_next) - wide_out
             begin = max(0, int(shift + j * to_bands)) if j > 0 else 0
             end = min(BANDS, int(shift + (j + 1) * to_bands) + 1) if j + 1 < steps else BANDS
             for band in range(begin, end):
-                bands[0, band] = min(bands[0, band], least)
-                bands[1, band] = max(bands[1, band], most)
-                bands[2, band] = max(bands[2, band], whole_from)
-                bands[3, band] = min(bands[3, band], whole_to)
+                bands[0, band] = min(bands[0, band], least[j])
+                bands[1, band] = max(bands[1, band], most[j])
+                bands[2, band] = max(bands[2, band], whole_from[j])
+                bands[3, band] = min(bands[3, band], whole_to[j])
     low, high = max(flanks[0, 0], flanks[1, 0]) + half, min(flanks[0, 2], flanks[1, 2]) - half
     for band in range(BANDS):
         if first + band / per_mm < low or first + (band + 1) / per_mm > high:
             bands[2, band], bands[3, band] = _NOWHERE, -_NOWHERE
     for level in range(1, LEVELS):
-        apart, here, below = 1 << (level - 1), level * BANDS, (level - 1) * BANDS
-        for band in range(BANDS):
-            other = min(band + apart, BANDS - 1)
-            bands[0, here + band] = min(bands[0, below + band], bands[0, below + other])
-            bands[1, here + band] = max(bands[1, below + band], bands[1, below + other])
-            bands[2, here + band] = max(bands[2, below + band], bands[2, below + other])
-            bands[3, here + band] = min(bands[3, below + band], bands[3, below + other])
+        below, here, end = (level - 1) * BANDS, level * BANDS, (level + 1) * BANDS
+        for row in range(4):
+            _fill_level(
+                1 << (level - 1), row == 0 or row == 3, bands[row, below:here], bands[row, here:end]
+            )
+
+
+@uncounted(error_model="numpy", apart=True)
+def _find_reach(steps, enters, leaves, steep, steep_out, least, most, whole_from, whole_to):
+    """Fill from where on boxes between neighbouring lines may be covered, as for the bands."""
+    for j in range(steps):
+        enter, enter_next, leave, leave_next = enters[j], enters[j + 1], leaves[j], leaves[j + 1]
+        wide = (0.5 + _SLACK) / min(steep[j], steep[j + 1])
+        wide += _SLACK * abs(enter_next - enter)
+        wide_out = (0.5 + _SLACK) / min(steep_out[j], steep_out[j + 1])
+        wide_out += _SLACK * abs(leave_next - leave)
+        least[j], most[j] = min(enter, enter_next) - wide, max(leave, leave_next) + wide_out
+        whole_from[j] = max(enter, enter_next) + wide
+        whole_to[j] = min(leave, leave_next) - wide_out
+
+
+@uncounted(error_model="numpy", apart=True)
+def _fill_level(apart, is_least, below, here):
+    """Fill what spans of twice as many bands have: the least or most of two that are `apart`."""
+    for band in range(BANDS - apart):
+        one, other = below[band], below[band + apart]
+        here[band] = min(one, other) if is_least else max(one, other)
+    last = below[BANDS - 1]
+    for band in range(BANDS - apart, BANDS):
+        one = below[band]
+        here[band] = min(one, last) if is_least else max(one, last)
 
 
 @uncounted(error_model="numpy", forceinline=True)

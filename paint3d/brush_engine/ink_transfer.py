@@ -52,6 +52,7 @@ __all__ = [
     "fetch_found",
     "fetch_positions",
     "first_film",
+    "forget_dirty",
     "given_on_way",
     "held_ink",
     "landing_share",
@@ -207,7 +208,7 @@ class InkField(NamedTuple):
     amounts: NDArray  # (cap, P) float32, full coats x share of the vertex's area that is covered
     coverage: NDArray  # (cap,) float32, share of the vertex's area under paint, 0 to 1
     dirty: NDArray  # (cap,) uint8, 1 where the colour is out of date
-    dirty_ids: NDArray  # (cap,) int32, those vertices
+    dirty_ids: NDArray  # (cap + 1,) int32, those vertices; one more is written before it counts
     n_dirty: NDArray  # (1,) int64, how many
     load: NDArray  # (P,) float64, ink in the brush, coats x mm2
     off_surface: NDArray  # (P,) float64, ink that ran off the surface, coats x mm2
@@ -239,6 +240,7 @@ _NOTHING = 1e-6  # share of a film
 _MOST_PASSES = 1000
 _SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
 PAINTED = 3  # counter: vertices that ink was left on
+_NOTED = 256  # vertices that are looked through together for such as have not been noted yet
 
 
 @uncounted(error_model="numpy")
@@ -692,25 +694,26 @@ def _note(runs, n_runs, ids, n, cover, coverage, dirty, dirty_ids, count):
     """`note_covered` for arrays; also returns how many colours are out of date then."""
     zero, at, painted = np.float32(0.0), 0, 0
     for r in range(n_runs):
-        first, many = runs[r, 0], runs[r, 1]
-        last = first + many
-        own, covered, marks = cover[at : at + many], coverage[first:last], dirty[first:last]
-        touched, fresh = np.int32(0), np.int32(0)
-        for k in range(many):
-            # one maximum more, or it is stored only where it is larger, which is slow
-            covered[k] = max(max(covered[k], own[k]), zero)
-        for k in range(many):
-            here = own[k] > zero
-            touched = np.int32(touched + np.int32(here))
-            fresh = np.int32(fresh | np.int32(here & (marks[k] == 0)))
-        painted += touched
-        if fresh > 0:
+        for begin in range(0, runs[r, 1], _NOTED):
+            first, many = runs[r, 0] + begin, min(_NOTED, runs[r, 1] - begin)
+            last = first + many
+            own, covered, marks = cover[at : at + many], coverage[first:last], dirty[first:last]
+            touched, fresh = np.int32(0), np.int32(0)
             for k in range(many):
-                if own[k] > zero and marks[k] == 0:
-                    marks[k] = 1
+                # one maximum more, or it is stored only where it is larger, which is slow
+                covered[k] = max(max(covered[k], own[k]), zero)
+            for k in range(many):
+                here = own[k] > zero
+                touched = np.int32(touched + np.int32(here))
+                fresh = np.int32(fresh | np.int32(here & (marks[k] == 0)))
+            painted += touched
+            if fresh > 0:
+                for k in range(many):  # without a branch, which would be taken now and then
+                    is_fresh = (own[k] > zero) & (marks[k] == 0)
+                    marks[k] |= np.uint8(is_fresh)
                     dirty_ids[count] = first + k
-                    count += 1
-        at += many
+                    count += np.int64(is_fresh)
+            at += many
     for k in range(at, n):
         if cover[k] > zero:
             v = ids[k]
@@ -721,6 +724,13 @@ def _note(runs, n_runs, ids, n, cover, coverage, dirty, dirty_ids, count):
                 dirty_ids[count] = v
                 count += 1
     return painted, count
+
+
+@uncounted(error_model="numpy")
+def forget_dirty(ids, dirty):
+    """Unmark vertices (N,) int32 whose colours have been brought up to date."""
+    for k in range(ids.size):
+        dirty[as_index(ids[k])] = 0
 
 
 @uncounted(error_model="numpy")

@@ -31,8 +31,8 @@ class Query(NamedTuple):
     slopes: NDArray  # (sheets,) float32, greatest tangent of a cell's normals to the plane's,
     # negative where they look all ways
     discs: NDArray  # (DISC_ROWS, sheets or blocks) float32, cells or blocks laid in the plane
-    fates: NDArray  # (sheets or blocks) uint8, where those lie to the sweep
-    blocks: NDArray  # (blocks, 3) int32, runs of base vertices that may be reached
+    fates: NDArray  # (sheets) uint8, where cells lie to the sweep
+    block_fates: NDArray  # (blocks) uint8, and blocks
     runs: NDArray  # (cells + blocks, 3) int32, runs of base vertices, and where they lie
     cursor: NDArray  # (CURSOR_SIZE,) int64, where the next block of vertices begins
 
@@ -139,8 +139,8 @@ def _make_query(mesh: PaintMesh) -> Query:
         cells=np.zeros(sheets, np.int32),
         slopes=np.zeros(sheets, np.float32),
         discs=np.zeros((DISC_ROWS, max(sheets, blocks)), np.float32),
-        fates=np.zeros(max(sheets, blocks), np.uint8),
-        blocks=np.zeros((blocks, 3), np.int32),
+        fates=np.zeros(sheets, np.uint8),
+        block_fates=np.zeros(blocks, np.uint8),
         runs=np.zeros((cells + blocks, 3), np.int32),
         cursor=np.zeros(CURSOR_SIZE, np.int64),
     )

@@ -151,50 +151,66 @@ def _find_cells(sweep, bands, field, patch, query):
 def _find_runs(sweep, bands, field, n_cells, query):
     """Runs (first, end, where) of the base vertices that the sweep can reach; how many there are.
 
-    Cells well inside go as a whole (`fates` comes from `_find_cells`), others block by block. Of
-    `query`, `runs` is filled.
+    Cells well inside go as a whole (`fates` comes from `_find_cells`), and before the others, which
+    go block by block. Of `query`, `runs` is filled.
     """
-    cells, slopes, blocks, runs = query.cells, query.slopes, query.blocks, query.runs
-    xs, ys, radii, fates = query.discs[0], query.discs[1], query.discs[2], query.fates
-    base_start, cell_blocks, balls, cell_sheets = (
-        field.base_start, field.cell_blocks, field.block_balls, field.cell_sheets
-    )  # fmt: skip
+    cells, slopes, runs, fates = query.cells, query.slopes, query.runs, query.fates
+    xs, ys, radii, block_fates = query.discs[0], query.discs[1], query.discs[2], query.block_fates
+    base_start, cell_blocks, cell_sheets = field.base_start, field.cell_blocks, field.cell_sheets
+    balls, n_runs, n = field.block_balls, 0, 0
+    bx, by, bz, br = balls[0], balls[1], balls[2], balls[3]
+    for c in range(n_cells):
+        cell = cells[c]
+        if fates[c] == _INSIDE and _is_coherent(cell_sheets, cell, slopes[c]):
+            n_runs = _add_run(runs, n_runs, base_start[cell], base_start[cell + 1], _INSIDE)
+            continue
+        slope = slopes[c] if slopes[c] >= 0.0 else _STEEPEST
+        first, last = cell_blocks[cell], cell_blocks[cell + 1]
+        end = n + last - first
+        _lay_blocks(
+            last - first, bx[first:last], by[first:last], bz[first:last], br[first:last], sweep,
+            slope, xs[n:end], ys[n:end], radii[n:end],
+        )  # fmt: skip
+        n = end
+    _judge_discs(n, query.discs, sweep, bands, block_fates)
+    k = 0
+    for c in range(n_cells):
+        cell = cells[c]
+        is_coherent = _is_coherent(cell_sheets, cell, slopes[c])
+        if fates[c] == _INSIDE and is_coherent:
+            continue
+        one_sheet = cell_sheets[cell + 1] - cell_sheets[cell] == 1
+        first, last = base_start[cell], base_start[cell + 1]
+        while first < last:
+            end, fate = min(last, first + BLOCK_VERTICES), np.int32(block_fates[k])
+            if fate != _OUTSIDE:
+                if not is_coherent:
+                    fate = np.int32(_EDGE if one_sheet else _MIXED)
+                n_runs = _add_run(runs, n_runs, first, end, fate)
+            first = end
+            k += 1
+    return n_runs
+
+
+@uncounted(error_model="numpy", forceinline=True)
+def _is_coherent(cell_sheets, cell, slope):
+    """Whether a cell holds one sheet of surface, which looks one way."""
+    return cell_sheets[cell + 1] - cell_sheets[cell] == 1 and slope >= 0.0
+
+
+@uncounted(error_model="numpy", apart=True)
+def _lay_blocks(n, px, py, pz, reach, sweep, slope, xs, ys, radii):
+    """Lay blocks into a sweep's plane, as `_lay_cells` does cells, by the balls that hold them."""
     ox, oy, oz = sweep.origin[0], sweep.origin[1], sweep.origin[2]
     fx, fy, fz = sweep.normal[0], sweep.normal[1], sweep.normal[2]
     bx, by, bz = sweep.ahead[0], sweep.ahead[1], sweep.ahead[2]
     cx, cy, cz = sweep.aside[0], sweep.aside[1], sweep.aside[2]
-    n = 0
-    n_runs = 0
-    for c in range(n_cells):
-        cell = cells[c]
-        one_sheet = cell_sheets[cell + 1] - cell_sheets[cell] == 1
-        coherent = one_sheet and slopes[c] >= 0.0
-        if coherent and fates[c] == _INSIDE:
-            n_runs = _add_run(runs, n_runs, base_start[cell], base_start[cell + 1], _INSIDE)
-            continue
-        most = _INSIDE if coherent else (_EDGE if one_sheet else _MIXED)
-        slope = slopes[c] if slopes[c] >= 0.0 else _STEEPEST
-        last = base_start[cell + 1]
-        first = base_start[cell]
-        for block in range(cell_blocks[cell], cell_blocks[cell + 1]):
-            dx = balls[block, 0] - ox
-            dy = balls[block, 1] - oy
-            dz = balls[block, 2] - oz
-            xs[n] = dx * bx + dy * by + dz * bz
-            ys[n] = dx * cx + dy * cy + dz * cz
-            height = abs(dx * fx + dy * fy + dz * fz)
-            radii[n] = balls[block, 3] + slope * (height + balls[block, 3])
-            blocks[n, 0] = first
-            blocks[n, 1] = min(last, first + BLOCK_VERTICES)
-            blocks[n, 2] = most
-            first += BLOCK_VERTICES
-            n += 1
-    _judge_discs(n, query.discs, sweep, bands, fates)
     for k in range(n):
-        if fates[k] != _OUTSIDE:
-            fate = min(np.int32(fates[k]), blocks[k, 2]) if blocks[k, 2] != _MIXED else _MIXED
-            n_runs = _add_run(runs, n_runs, blocks[k, 0], blocks[k, 1], fate)
-    return n_runs
+        dx, dy, dz = px[k] - ox, py[k] - oy, pz[k] - oz
+        xs[k] = dx * bx + dy * by + dz * bz
+        ys[k] = dx * cx + dy * cy + dz * cz
+        height = abs(dx * fx + dy * fy + dz * fz)
+        radii[k] = reach[k] + slope * (height + reach[k])
 
 
 @uncounted(error_model="numpy")

@@ -194,7 +194,7 @@ class ColourModel:
         _check(ids, "vertex_ids", (ids.size,), np.int32)
         if linear_rgb is not None:
             _check(linear_rgb, "linear_rgb", (n, 3), np.float32)
-        if ids.size and not (ids.min() >= 0 and ids.max() < n):
+        if ids.size and ids.view(np.uint32).max() >= n:  # one below 0 is a large one
             raise InputError(
                 "vertex_ids are {least} to {most}; expected 0 to {last}",
                 least=ids.min(),

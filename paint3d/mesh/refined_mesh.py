@@ -195,7 +195,7 @@ class PaintMesh:
             0 for a glaze, 1 for raw xuan. To be called before anything is refined.
         """
         balls = self.arrays.block_balls.copy()
-        balls[:, 3] += np.float32(MOST_ASIDE_MM * amount)
+        balls[3] += np.float32(MOST_ASIDE_MM * amount)
         self.arrays = self.arrays._replace(paper=float(amount), block_balls=balls)
         lay_paper(self.arrays, 0, self.n_base_vertices)
 
@@ -262,7 +262,7 @@ class PaintMesh:
     @property
     def n_blocks(self) -> int:
         """Number of blocks of neighbouring base vertices."""
-        return len(self.arrays.block_balls)
+        return len(self.arrays.block_balls[0])
 
     @property
     def n_sheets(self) -> int:
@@ -524,7 +524,7 @@ def _blocks(points: AnyArray, starts: AnyArray) -> dict[str, AnyArray]:
     at = np.arange(cell_blocks[-1]) - np.repeat(cell_blocks[:-1], counts)
     first = np.repeat(starts[:-1], counts) + at * BLOCK_VERTICES
     if len(first) == 0:
-        return {"cell_blocks": cell_blocks, "block_balls": np.zeros((0, 4), np.float32)}
+        return {"cell_blocks": cell_blocks, "block_balls": np.zeros((4, 0), np.float32)}
     low = np.minimum.reduceat(points, first).astype(np.float64)
     high = np.maximum.reduceat(points, first).astype(np.float64)
     centre = (0.5 * (low + high)).astype(np.float32)
@@ -532,7 +532,7 @@ def _blocks(points: AnyArray, starts: AnyArray) -> dict[str, AnyArray]:
     reach = np.linalg.norm(points - np.repeat(centre, sizes, axis=0), axis=1)
     # slightly larger, since rounding must not leave a vertex out
     radius = 1.0001 * np.maximum.reduceat(reach, first)
-    balls = np.column_stack([centre, radius]).astype(np.float32)
+    balls = np.stack([*centre.T, radius]).astype(np.float32)
     return {"cell_blocks": cell_blocks, "block_balls": balls}
 
 

@@ -42,7 +42,7 @@ from paint3d.colour.inks import load_ink
 from paint3d.colour.pigments import Pigment, load_pigment
 from paint3d.core.ahead import ahead
 from paint3d.core.arrays import AnyArray, as_number
-from paint3d.device.sample import DIP, DeviceSample
+from paint3d.device.sample import DIP, ERASER, DeviceSample
 from paint3d.errors import InputError, Message, RecordingError
 from paint3d.painter.flat_input import LaidPad
 from paint3d.painter.ink_time import INK_STEP_S, LOOKAHEAD, Pauses, ink_steps_until
@@ -600,7 +600,7 @@ class Painter:
         last: int,
         samples: Samples,
         refills: list[_Refill],
-        buttons: AnyArray,
+        buttons: AnyArray | None,
         times_ns: AnyArray,
         table: StrokeTable | None,
     ) -> None:
@@ -664,10 +664,11 @@ class Painter:
 
     def _prepare(
         self, recording: Recording | LaidPad, first: int, last: int
-    ) -> tuple[AnyArray, Samples, list[_Refill], AnyArray]:
+    ) -> tuple[AnyArray, Samples, list[_Refill], AnyArray | None]:
         """Prepare one part: its times (N,), ns, samples, refills, and buttons (N,).
 
-        Runs ahead on a thread. Parts must come in order: each needs the touch-down before it.
+        There are no buttons where no eraser end is down. Runs ahead on a thread. Parts must come in
+        order: each needs the touch-down before it.
         """
         started = time.perf_counter()
         part = recording.part(first, last)
@@ -678,7 +679,8 @@ class Painter:
         if "loads" in header or "strengths" in header:
             schedule = _Schedule(*changes_at(header, part.time_ns))
         buttons = np.asarray(path.buttons)
-        prepared = part.time_ns, samples, _refills(buttons, schedule), buttons
+        erases = (buttons & ERASER).any()
+        prepared = part.time_ns, samples, _refills(buttons, schedule), buttons if erases else None
         self.seconds["poses"] += time.perf_counter() - started
         return prepared
 
@@ -760,9 +762,13 @@ class Painter:
         self._run(samples, last)
 
     def _paint_by_ends(
-        self, samples: Samples, last: int, refills: list[_Refill], buttons: AnyArray
+        self, samples: Samples, last: int, refills: list[_Refill], buttons: AnyArray | None
     ) -> None:
         """Paint up to sample `last` as `_paint` does, or erase where the eraser end is down."""
+        if buttons is None:
+            self._turn(erases=False)
+            self._paint(samples, last, refills)
+            return
         first = int(self._progress.at[0])
         for begin, end, turned in eraser_runs(buttons[first : max(first, last) + 1]):
             self._turn(erases=turned)
@@ -793,10 +799,7 @@ class Painter:
         """Run the stroke kernel up to sample `last`, growing the surface as often as it asks."""
         started = time.perf_counter()
         surface = self.surface
-        scratch = self.scratch  # the surface may have grown, or another brush brought a pigment
-        is_small = len(scratch.found.ids) != surface.paint_mesh.capacity + 1
-        if is_small or len(scratch.part) != len(surface.pigments):
-            self._fit_scratch()
+        self._fit_scratch()  # the surface may have grown, or another brush brought a pigment
         brush = HeldBrush(self.tuft, self.curves, self.azimuth == "dragged")
         while True:
             progress, scratch = self._progress, self.scratch
@@ -817,8 +820,9 @@ class Painter:
 
     def _fit_scratch(self) -> None:
         """Resize the scratch to the surface and its pigments; counters and progress carry over."""
-        mesh, pigments = self.surface.paint_mesh, len(self.surface.pigments)
-        self.scratch = grow_scratch(self.scratch, mesh, pigments)
+        mesh, pigments, scratch = self.surface.paint_mesh, len(self.surface.pigments), self.scratch
+        if len(scratch.found.ids) != mesh.capacity + 1 or len(scratch.part) != pigments:
+            self.scratch = grow_scratch(scratch, mesh, pigments)
 
     # -- accounts ---------------------------------------------------------------------------
 

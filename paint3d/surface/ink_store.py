@@ -99,7 +99,7 @@ class InkStore:
             amounts=np.zeros((capacity, n_pigments), np.float32),
             coverage=np.zeros(capacity, np.float32),
             dirty=np.zeros(capacity, np.uint8),
-            dirty_ids=np.zeros(capacity, np.int32),
+            dirty_ids=np.zeros(capacity + 1, np.int32),
             n_dirty=np.zeros(1, np.int64),
             load=np.zeros(n_pigments),
             off_surface=np.zeros(n_pigments),

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.ink_transfer import forget_dirty
 from paint3d.colour.difference import delta_e, lab_from_srgb
 from paint3d.colour.materials import Material, load_material
 from paint3d.colour.spectra import srgb_from_reflectance
@@ -136,7 +137,7 @@ class PaintedSurface(InkStore):
                 self._water.fresh.append(ids)
             if self._changed is not None:
                 self._changed.append(seen)
-            self.ink.dirty[ids] = 0
+            forget_dirty(ids, self.ink.dirty)
             self.ink.n_dirty[0] = 0
         return seen
 

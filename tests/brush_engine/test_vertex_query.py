@@ -48,7 +48,7 @@ def painted(
     Hairs are dry.
     """
     surface = PaintedSurface(mesh, resolution=None)
-    surface.paint_mesh.arrays.block_balls[:, 3] += growth
+    surface.paint_mesh.arrays.block_balls[3] += growth
     painter = Painter(surface, brush, hairs=hairs)
     painter.wipe(0.8 if hairs else 0.0)
     painter.replay(turning_stroke())

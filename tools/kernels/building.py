@@ -139,7 +139,8 @@ def build(
     Parameters
     ----------
     processors : list of str
-        Of one architecture: ``x86-64-v2`` (2009), ``x86-64-v3`` (2013, AVX2), ``aarch64``,
+        Of one architecture: ``x86-64-v2`` (2009), ``x86-64-v3`` (2013, AVX2), ``x86-64-v4``
+        (AVX-512), ``aarch64``,
         ``wasm32``.
     folder : Path
         Beside the package's decorators, where they look for it.

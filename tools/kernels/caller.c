@@ -248,6 +248,8 @@ static PyObject *processors(PyObject *self, PyObject *nothing) {
     (void)self, (void)nothing;
 #if defined(__x86_64__)
     __builtin_cpu_init(); /* what its operating system lets programs use */
+    if (__builtin_cpu_supports("x86-64-v4"))
+        return Py_BuildValue("(ssss)", "x86-64-v4", "x86-64-v3", "x86-64-v2", "x86-64");
     if (__builtin_cpu_supports("x86-64-v3"))
         return Py_BuildValue("(sss)", "x86-64-v3", "x86-64-v2", "x86-64");
     if (__builtin_cpu_supports("x86-64-v2"))

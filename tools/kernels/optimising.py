@@ -25,8 +25,9 @@ from tools.kernels.processors import ARCHITECTURES, architecture_of
 
 __all__ = ["Prepared", "emit", "optimise_for", "prepare"]
 
-# LLVM takes look-ups by eight for dear on this kind, and leaves loops scalar that have one
-_FEATURES = {"x86-64-v3": "+fast-gather"}
+# LLVM takes look-ups by eight for dear on these kinds, and leaves loops scalar that have one; and
+# of vectors of 512 bits it uses half
+_FEATURES = {"x86-64-v3": "+fast-gather", "x86-64-v4": "+fast-gather,-prefer-256-bit"}
 # Without relaxed SIMD, whose results differ between machines.
 _WASM_FEATURES = "+simd128,+bulk-memory,+sign-ext,+nontrapping-fptoint,+mutable-globals"
 

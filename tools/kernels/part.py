@@ -16,6 +16,7 @@ import numpy as np
 from tools.kernels.lowering import letter, lower
 from tools.kernels.numba_inside import Dispatcher
 from tools.kernels.optimising import Prepared, emit, optimise_for, prepare
+from tools.kernels.processors import made_for
 from tools.kernels.sources import ROOT, sources_of
 from tools.kernels.table import Array, Entry, Number, Row, dtype_of
 
@@ -63,10 +64,12 @@ def _emit_for(
     say: Callable[[], None],
 ) -> None:
     """The object files for a processor."""
-    optimised = optimise_for(processor, prepared)
+    kinds = [made_for(processor, {entry.module for entry in group.values()}) for group in groups]
+    first = optimise_for(kinds[0], prepared)
 
     def write(k: int) -> None:
-        (folder / f"{k}-{processor}.o").write_bytes(emit(optimised, groups[k], processor))
+        optimised = first if kinds[k] == kinds[0] else optimise_for(kinds[k], prepared)
+        (folder / f"{k}-{processor}.o").write_bytes(emit(optimised, groups[k], kinds[k]))
         say()
 
     _side_by_side([partial(write, k) for k in range(len(groups))])

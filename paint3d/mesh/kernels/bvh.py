@@ -192,10 +192,10 @@ def _faces(points, a, b, c, up):
 
 
 @uncounted(forceinline=True)
-def _push_children(boxes, node, place, best, stack, depth):
+def _push_children(boxes, node, place, best, stack, away, depth):
     """Put the children of a node that are near enough on the stack, the nearer last.
 
-    Returns where the stack ends then.
+    `away` is filled with the squares of how far off they are. Returns where the stack ends then.
     """
     x, y, z = place
     left = box_distance2(boxes, 2 * node, x, y, z)
@@ -209,10 +209,10 @@ def _push_children(boxes, node, place, best, stack, depth):
         near += 1  # boxes overlap: the one around the point is the better guess
     if max(left, right) <= best:
         depth += 1
-        stack[depth] = 4 * node + 1 - near
+        stack[depth], away[depth] = 4 * node + 1 - near, max(left, right)
     if min(left, right) <= best:
         depth += 1
-        stack[depth] = near
+        stack[depth], away[depth] = near, min(left, right)
     return depth
 
 
@@ -270,27 +270,28 @@ def search_nearest(tree, place, up, reach, guess, nodes):
     """
     boxes = tree.boxes
     n_leaves = boxes.shape[0] // 2
-    stack = np.empty(_STACK, np.int64)
+    stack, away = np.empty(_STACK, np.int64), np.empty(_STACK)
     nearest = (reach * reach, -1, (0.0, 0.0, 0.0))
     # From the guess's leaf upwards, the other side of every ancestor being looked at in turn: where
     # the guess is good, hardly more than one box a level.
     climbed = n_leaves + guess // LEAF_SIZE if guess >= 0 else 1
     depth = 0
-    stack[0] = climbed
+    stack[0], away[0] = climbed, box_distance2(boxes, climbed, place[0], place[1], place[2])
     while nodes > 0:
         if depth < 0:
             if climbed <= 1:
                 break
             depth = 0
             stack[0] = climbed ^ 1
+            away[0] = box_distance2(boxes, stack[0], place[0], place[1], place[2])
             climbed >>= 1
-        node = stack[depth]
+        node, d2 = stack[depth], away[depth]
         depth -= 1
         nodes -= 1
-        if box_distance2(boxes, node, place[0], place[1], place[2]) > nearest[0]:
+        if d2 > nearest[0]:
             continue
         if node < n_leaves:
-            depth = _push_children(boxes, node, place, nearest[0], stack, depth)
+            depth = _push_children(boxes, node, place, nearest[0], stack, away, depth)
         else:
             nearest = _look_into(tree, node - n_leaves, place, up, nearest)
     return nearest[1], nearest[2], nodes

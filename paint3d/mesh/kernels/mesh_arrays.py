@@ -130,7 +130,7 @@ class SurfaceField(NamedTuple):
     cell_sheets: NDArray  # (C + 1,) int32, run of sheets
     base_start: NDArray  # (C + 1,) int32, run of base vertices
     cell_blocks: NDArray  # (C + 1,) int32, run of blocks
-    block_balls: NDArray  # (blocks, 4) float32: centre and radius of a ball around the block, mm
+    block_balls: NDArray  # (4, blocks) float32: centre and radius of a ball around the block, mm
     head: NDArray  # (C,) int32, first added vertex
     done: NDArray  # (C,) uint8, 1 where every leaf is fine enough
     sheet_cell: NDArray  # (S,) int32

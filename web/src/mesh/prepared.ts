@@ -276,7 +276,7 @@ function buildLattice(
     vertex_sheet: NDArray.of(kernels, "i4", sheets),
     base_start: NDArray.of(kernels, "i4", starts),
     cell_blocks: NDArray.of(kernels, "i4", cellBlocks),
-    block_balls: NDArray.of(kernels, "f4", balls, [balls.length / 4, 4]),
+    block_balls: NDArray.of(kernels, "f4", balls, [4, balls.length / 4]),
     sheet_cell: NDArray.of(kernels, "i4", sheetCell),
     sheet_place: NDArray.of(kernels, "i4", sheetPlace, [nSheets, 4]),
     sheet_links: NDArray.of(kernels, "i8", links),
@@ -449,7 +449,9 @@ function blocks(
     }
     cellBlocks[cell + 1] = balls.length / 4;
   }
-  return { cellBlocks, balls: Float32Array.from(balls) };
+  const n = balls.length / 4;
+  const rows = Float32Array.from(balls, (_, k) => balls[4 * (k % n) + Math.floor(k / n)]);
+  return { cellBlocks, balls: rows };
 }
 
 // ---- Trees of boxes, and light -------------------------------------------------------------------

@@ -112,7 +112,7 @@ export class PaintMesh {
   layPaper(amount: number): void {
     const balls = this.arrays.block_balls.data;
     const aside = Math.fround(this.#words.most_aside_mm * amount);
-    for (let k = 3; k < balls.length; k += 4) balls[k] += aside;
+    for (let k = 3 * this.nBlocks; k < balls.length; k++) balls[k] += aside;
     this.arrays.paper = amount;
     this.kernels.call("mesh.kernels.paper.lay_paper", this.arrays, 0, this.nBaseVertices);
   }
@@ -144,7 +144,7 @@ export class PaintMesh {
   }
 
   get nBlocks(): number {
-    return this.arrays.block_balls.length;
+    return this.arrays.block_balls.shape[1];
   }
 
   get nSheets(): number {

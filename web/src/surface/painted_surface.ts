@@ -100,7 +100,7 @@ export class PaintedSurface {
       amounts: kernels.zeros("f4", capacity, 0),
       coverage: kernels.zeros("f4", capacity),
       dirty: kernels.zeros("u1", capacity),
-      dirty_ids: kernels.zeros("i4", capacity),
+      dirty_ids: kernels.zeros("i4", capacity + 1),
       n_dirty: kernels.zeros("i8", 1),
       load: kernels.zeros("f8", 0),
       off_surface: kernels.zeros("f8", 0),
@@ -181,7 +181,7 @@ export class PaintedSurface {
     ink.amounts = ink.amounts.grown(n, capacity);
     ink.coverage = ink.coverage.grown(n, capacity);
     ink.dirty = ink.dirty.grown(n, capacity);
-    ink.dirty_ids = ink.dirty_ids.grown(n, capacity);
+    ink.dirty_ids = ink.dirty_ids.grown(n, capacity + 1);
     this.dryLayers.fit(capacity, this.pigments.length);
   }
 
