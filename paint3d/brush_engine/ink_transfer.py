@@ -881,6 +881,9 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     contact = dry_contact(level, find_way(before, after)[0], after, bundles, field, ink)
     if level < 1.0 or absorbency(ink) > 0.0:
         fetch_positions(found, n, field)
+    scratch.taken[:] = 0.0
+    if ink.transfer[0].pickup > 0.0:  # the thirstier it is; wet ink stands over the depths, too
+        take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
         thin_contact(contact, after, found, n, ink, scratch.block)
         whole = weighed
@@ -890,9 +893,6 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if weighed <= 0.0:
         landing = 0.0
     scratch.part[:] = 0.0
-    scratch.taken[:] = 0.0
-    if ink.transfer[0].pickup > 0.0:
-        take_up_ink(before, after, released, found, n, field, ink, scratch.taken)
     if level_shares(before, after, wet, contact, field, ink, n, scratch):
         weighed = weighed_area(n, found.area, found.share, field.area_step)
     if weighed > 0.0:
