@@ -324,8 +324,9 @@ def test_blotting_paper_lifts_what_is_wet_and_leaves_what_is_dry() -> None:
         document.blot(2.0)
 
 
-def test_a_dry_brush_takes_up_what_is_wet_where_it_is_asked_to() -> None:
-    document = small_plane(material="porcelain")
+@pytest.mark.parametrize("material", ["porcelain", "silk", "sized xuan", "xuan"])
+def test_a_dry_brush_takes_up_what_is_wet_where_it_is_asked_to(material: str) -> None:
+    document = small_plane(material=material)
     document.dip("pine soot")
     paint(document, (-15.0, 0.0), (15.0, 0.0))
     document.rinse()
