@@ -98,7 +98,7 @@ def test_places_go_around_an_object() -> None:
 
 
 def test_the_name_of_a_file_is_no_recording(painter: paint3d.Painter) -> None:
-    with pytest.raises(InputError, match=r"str was given; load_recording\(FILE\)"):
+    with pytest.raises(InputError, match=r"load_recording\(FILE\)"):
         painter.replay("poses.csv")
 
 
