@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.interpolate import RectBivariateSpline
@@ -16,6 +18,7 @@ from paint3d.mesh.chart import (
     lay_square,
     lay_squares,
     make_chart,
+    overlapping,
     unroll,
 )
 from paint3d.mesh.placement import place
@@ -171,6 +174,23 @@ def test_boxes_laid_side_by_side_are_those_laid_alone(cap):
         assert np.array_equal(alone.normals, square.normals)
         at = [[0.4 * size[0], -0.3 * size[1]]]
         assert np.array_equal(alone.chart.tangents(at), square.chart.tangents(at))
+
+
+def test_of_many_boxes_the_first_pair_that_overlaps_is_named(cap):
+    """Wherever on the surface it lies: the number of the box counts, not its place."""
+    rng = np.random.default_rng(5)
+    for spread in [(22.0, 22.0), (22.0, 2.0), (2.0, 22.0)]:
+        places = rng.uniform(-1.0, 1.0, (40, 2)) * spread
+        frames = [frame_at(cap, (x, y, 75.0), (0, 1, 0)) for x, y in places]
+        squares = lay_squares(cap, frames, 3.0, [(3.0, 3.0)] * 40)
+        for most in (0.2, 1.0, 2.0):
+            pairs = (
+                (k, other)
+                for k, other in itertools.combinations(range(40), 2)
+                if squares[k].overlap(squares[other]) > most
+                or squares[other].overlap(squares[k]) > most
+            )
+            assert overlapping(squares, lambda *_, most=most: most) == next(pairs, None)
 
 
 @pytest.mark.parametrize("x", [30.0, 49.0])

@@ -40,7 +40,7 @@ _ROUNDING = 1e-6  # of a length
 _SHARED = 0.02  # of the em: corners of boxes that share this much more than on the page are apart
 _SEAM = 0.5  # ems between the end of a text and where it begins anew, all around a body: at least
 _MOST_MORE = 0.5 * EM_UNITS  # by which words are drawn apart along a free arc
-_MOST_AT_ONCE = 128  # pieces
+_MOST_AT_ONCE = 2048  # pieces
 _FAR = 1.5  # times the room, which other heights may have more of: what is larger is not composed
 
 
