@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import pytest
 
 pytest.importorskip("PySide6", reason="PySide6 is not installed")
@@ -103,6 +105,24 @@ def test_a_bad_file_says_why_and_all_stays(window, tmp_path) -> None:
     )
     assert made_of(window) == before
     assert box.currentText() == shown
+
+
+def test_while_a_file_is_asked_for_the_material_is_the_one_before(program, tmp_path) -> None:
+    """Who draws what is chosen asks at each change of the row, also at that of the file."""
+    box, seen = MaterialBox("silk"), []
+
+    def see(_: int) -> None:
+        seen.append("a fault")
+        seen[-1] = box.material()
+
+    box.currentIndexChanged.connect(see)
+    files = [tmp_path / "one.toml", tmp_path / "two.toml"]
+    for file in files:
+        file.write_text(MINE)
+        answer(take_file(file))
+        choose_a_file(box)
+        assert box.material() == str(file)
+    assert [one for one, _ in itertools.groupby(seen)] == ["silk", *map(str, files)]
 
 
 def test_paint_is_not_lost_unasked(window) -> None:

@@ -43,17 +43,20 @@ class MaterialBox(QtWidgets.QComboBox):
         row = self.findData(name)
         if row < 0 or isinstance(self.itemData(row), Material):
             made_of = load_material(material) if isinstance(material, str) else material
-            if self.count() > self._own + 1:
-                self.removeItem(self._own)
             row = self._own
             self.insertItem(row, say_material(made_of), material)
+            if self.count() > self._own + 2:
+                self.removeItem(self._own + 1)
         self.setCurrentIndex(row)
         self._before = row
 
     def material(self) -> str | Material:
-        """Return the choice: a name, a file's, or a material that has neither."""
-        data: str | Material | None = self.itemData(self.currentIndex())
-        assert data is not None, "a file is asked for at once"
+        """Return the choice: a name, a file's, or a material that has neither.
+
+        While a file is asked for it is what was chosen before.
+        """
+        row = self.currentIndex()
+        data: str | Material = self.itemData(self._before if self.itemData(row) is None else row)
         return data
 
     def wheelEvent(self, event: QtGui.QWheelEvent) -> None:
