@@ -239,13 +239,21 @@ def _write(
             plans[key] = paths
             if progress is not None:
                 progress(glyph.text, len(plans) / len(glyphs))
-    laid, motions = [], []
+    laid: list[HandMotion] = []
+    motions: list[Motion] = []
+    as_planned: dict[int, Motion] = {}
+    keeps = any(one.dryness or one.strength < 1.0 for it in glyphs.values() for one in it.strokes)
     for k, piece in enumerate(placed):
-        middle = on_paper(np.array(piece.glyph.middle), settings.em_mm)
-        motions.append(
-            _time_piece(piece.glyph, plans[id(piece.glyph)], middle, footprints, settings, k)
-        )
-        laid.append(_lay_piece(surface, piece, motions[-1], tuft, settings))
+        key, glyph = id(piece.glyph), piece.glyph
+        motion = as_planned.get(key)
+        if motion is None:
+            middle = on_paper(np.array(glyph.middle), settings.em_mm)
+            motion = _time_piece(glyph, plans[key], middle, footprints, settings, k)
+        if glyph.solid or settings.variation == 0.0:
+            as_planned[key] = motion
+        laid.append(_lay_piece(surface, piece, motion, tuft, settings))
+        if keeps:  # of a long text they are large
+            motions.append(motion)
     characters = [_describe_piece(piece) for piece in placed]
     entries = {
         "brush": settings.brush.name,

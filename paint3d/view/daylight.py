@@ -72,9 +72,13 @@ class Occluder:
         self._depth_maps: dict[bytes, DepthMap] = {}
 
     def turned(self, rotation: NDArray[np.float64]) -> Occluder:
-        """Return the object after a rotation (3, 3) about the vertical axis through its centre."""
+        """Return the object after a rotation (3, 3) about its centre."""
         other = copy(self)
         other._points = np.ascontiguousarray(rotation.astype(np.float32) @ self._points)
+        # not by the last bits: what turns about the vertical keeps its floor
+        lowest = float(other._points[2].min() + self.centre[2])
+        if abs(lowest - self.lowest) > 1e-3 * self.radius:
+            other.lowest = lowest
         other._depth_maps = {}
         return other
 

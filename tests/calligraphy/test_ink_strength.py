@@ -86,7 +86,7 @@ def test_the_next_dip_is_in_the_ink_itself() -> None:
     assert painter.dipped != {}
     painter.dip()
     assert surface.ink.load.max() == pytest.approx(whole)
-    with pytest.raises(InputError, match="share"):
+    with pytest.raises(InputError, match="fraction"):
         painter.thin_to(1.5)
 
 

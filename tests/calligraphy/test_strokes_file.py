@@ -113,6 +113,17 @@ def test_unknown_ids_are_named(tmp_path) -> None:
         load_svg(draw(tmp_path, '<rect id="leaf" width="9" height="1"/>'), ["root"])
 
 
+def test_bands_of_one_wide_line_vary_as_one_and_a_file_says_so(tmp_path) -> None:
+    page = load_svg(
+        draw(tmp_path, '<path d="M20 50H180" stroke="black" stroke-width="60" fill="none"/>')
+    )
+    (piece,) = page.pieces
+    assert len(piece.glyph.strokes) > 1
+    assert piece.glyph.joined
+    save_strokes(page, tmp_path / "a.strokes.json")
+    assert load_strokes(tmp_path / "a.strokes.json").pieces[0].glyph.joined
+
+
 def test_a_file_gives_back_what_was_kept(tmp_path) -> None:
     body = (
         '<circle cx="5" cy="5" r="4" fill="none" stroke="#000"/><rect x="20" width="9" height="1"/>'

@@ -179,7 +179,7 @@ def test_a_studio_killed_while_it_paints_comes_back(times):
     """How much it may lose, 100 ms, is asked for by the script alone: tests share the cores."""
     code = (
         "from scripts.kill_sitting import kill_at_random\n"
-        f"for kill in kill_at_random({times}): print(kill.n_told, kill.n_kept)"
+        f"for kill in kill_at_random({times}): print(kill.n_sent, kill.n_kept)"
     )
     done = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, cwd=ROOT

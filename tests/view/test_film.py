@@ -13,6 +13,7 @@ from paint3d.files.pictures import Filmed, Turning, write_growth, write_picture
 from paint3d.mesh.triangle_mesh import TriangleMesh
 from paint3d.painter.painter import Painter
 from paint3d.surface.painted_surface import PaintedSurface
+from paint3d.view.daylight import Occluder
 from paint3d.view.film import Growth
 from paint3d.view.scene import FlatDrawing, SceneDrawing
 from paint3d.view.shot import Moment, Shot, take_film, take_shot
@@ -220,3 +221,14 @@ def growth_pictures(growth: Growth, shot: Shot) -> list[np.ndarray]:
 def taken(surface: PaintedSurface, shot: Shot, folder) -> np.ndarray:
     write_picture(surface, folder / "now.png", shot)
     return np.asarray(Image.open(folder / "now.png").convert("RGB")).astype(int)
+
+
+def test_the_floor_stays_below_what_turns_about_another_axis() -> None:
+    mesh = sheet(flat, (40.0, 20.0), 4.0)
+    occluder = Occluder(mesh.vertices, mesh.faces)
+    c, s = np.cos(0.5), np.sin(0.5)
+    upright = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+    assert occluder.turned(upright).lowest == occluder.lowest
+    leaning = np.array([[c, 0.0, s], [0.0, 1.0, 0.0], [-s, 0.0, c]])
+    lowest = (mesh.vertices @ leaning.T)[:, 2].min()
+    assert occluder.turned(leaning).lowest == pytest.approx(lowest, abs=0.5)

@@ -850,10 +850,12 @@ def _make_pieces(inks: Sequence[_Ink]) -> tuple[Piece, ...]:
     ]
     pieces = []
     for run, box in _runs(scaled):
-        strokes = tuple(stroke for ink in run for stroke in _make_strokes(ink))
+        made = [_make_strokes(ink) for ink in run]
+        strokes = tuple(stroke for of_ink in made for stroke in of_ink)
         if strokes:
             solid = any(ink.line is None for ink in run)
-            glyph = Glyph(run[0].name, strokes, box, solid)
+            joined = any(len(of_ink) > 1 for of_ink in made)
+            glyph = Glyph(run[0].name, strokes, box, solid, joined)
             pieces.append(Piece(glyph, glyph.middle))
     return tuple(pieces)
 

@@ -394,7 +394,7 @@ def _make_piece(
             dryness, _ = dryness_along(seen, ink.cover, ink.mask)
             strokes.append(replace(part, dryness=dryness))
     at = 0.5 * (left + right), 0.5 * (lower + upper)
-    return Piece(Glyph(one.text, tuple(strokes), box), at)
+    return Piece(Glyph(one.text, tuple(strokes), box, joined=True), at)
 
 
 def _set_strengths(

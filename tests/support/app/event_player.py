@@ -96,8 +96,6 @@ class DeviceEvent:
         Degrees to the right, and towards the user.
     rotation : float
         Degrees clockwise about the pen's axis.
-    button : str
-        That is pressed or let go.
     buttons, modifiers : tuple of str
         That are held after it.
     key, text : str
@@ -110,6 +108,8 @@ class DeviceEvent:
         The control, as a screen reader calls it, and the window: see `controls`.
     hasty : bool
         It was done before all was done that was asked for earlier.
+    button : str
+        That is pressed or let go.
     """
 
     device: str
@@ -118,7 +118,6 @@ class DeviceEvent:
     pressure: float = 0.0
     tilt: tuple[float, float] = (0.0, 0.0)
     rotation: float = 0.0
-    button: str = "left"
     buttons: tuple[str, ...] = ()
     modifiers: tuple[str, ...] = ()
     key: str = ""
@@ -130,6 +129,7 @@ class DeviceEvent:
     on: str = ""
     window: str = ""
     hasty: bool = False
+    button: str = "left"
 
     @classmethod
     def from_row(cls, row: dict) -> DeviceEvent:
