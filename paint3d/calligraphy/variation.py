@@ -86,11 +86,11 @@ def vary_paths(
             for k, poses in enumerate(strokes)
         ]
     whole = amount * _draw(rng, _TURN, _STRETCH, _STRETCH, _SHIFT, _SHIFT, _PRESS)
-    waves = [
-        (axis, _direction(2.0 * np.pi * rng.random()) / (wave * em_mm), rng.random())
-        for wave in _SWAY_WAVES
-        for axis in range(2)
-    ]
+    waves = []  # which axis sways, along what, from where on
+    for length in _SWAY_WAVES:
+        for axis in range(2):
+            turn, phase = 2.0 * np.pi * rng.random(), rng.random()
+            waves.append((axis, np.array([np.cos(turn), np.sin(turn)]) / (length * em_mm), phase))
     varied = []
     for path, poses in zip(paths, strokes, strict=True):
         handle = _transform(poses[:, :2], middle, whole, em_mm)
@@ -200,10 +200,6 @@ def _way_along(poses: AnyArray) -> NDArray[np.float64]:
     steps = np.linalg.norm(np.diff(poses[:, :2], axis=0), axis=1)
     way: NDArray[np.float64] = np.r_[0.0, np.cumsum(steps)]
     return way
-
-
-def _direction(angle: float) -> NDArray[np.float64]:
-    return np.array([np.cos(angle), np.sin(angle)])
 
 
 def _turn_left(vector: AnyArray) -> AnyArray:

@@ -239,18 +239,24 @@ def _write(
             plans[key] = paths
             if progress is not None:
                 progress(glyph.text, len(plans) / len(glyphs))
+    em_mm, varies = settings.em_mm, settings.variation > 0.0
     laid: list[HandMotion] = []
     motions: list[Motion] = []
-    as_planned: dict[int, Motion] = {}
+    unvaried: dict[int, Motion] = {}
     keeps = any(one.dryness or one.strength < 1.0 for it in glyphs.values() for one in it.strokes)
     for k, piece in enumerate(placed):
         key, glyph = id(piece.glyph), piece.glyph
-        motion = as_planned.get(key)
-        if motion is None:
-            middle = on_paper(np.array(glyph.middle), settings.em_mm)
-            motion = _time_piece(glyph, plans[key], middle, footprints, settings, k)
-        if glyph.solid or settings.variation == 0.0:
-            as_planned[key] = motion
+        if varies and not glyph.solid:
+            middle, seed = on_paper(np.array(glyph.middle), em_mm), [settings.seed, k]
+            paths = vary_paths(
+                plans[key], middle, em_mm, settings.variation, seed, joined=glyph.joined
+            )
+            motion = time_paths([paths], em_mm, settings.tempo)
+        else:  # once for all pieces; of a filled shape nothing is to stay bare
+            if key not in unvaried:
+                loads = loads_of(plans[key], em_mm, footprints) if glyph.solid else [plans[key]]
+                unvaried[key] = time_paths(loads, em_mm, settings.tempo)
+            motion = unvaried[key]
         laid.append(_lay_piece(surface, piece, motion, tuft, settings))
         if keeps:  # of a long text they are large
             motions.append(motion)
@@ -434,24 +440,6 @@ def _plan_glyph(
     glyph: Glyph, footprints: FootprintTable, settings: WritingSettings, threads: int = 1
 ) -> list[StrokePath]:
     return plan_glyph(glyph, settings.em_mm, footprints, settings.plan, threads)
-
-
-def _time_piece(
-    glyph: Glyph,
-    paths: list[StrokePath],
-    middle: AnyArray,
-    footprints: FootprintTable,
-    settings: WritingSettings,
-    number: int,
-) -> Motion:
-    """The motion of the text's piece of a number: its strokes as the hand writes them there."""
-    em_mm = settings.em_mm
-    if glyph.solid:  # nothing of it is to stay bare
-        loads = loads_of(paths, em_mm, footprints)
-    else:
-        seed = [settings.seed, number]
-        loads = [vary_paths(paths, middle, em_mm, settings.variation, seed, joined=glyph.joined)]
-    return time_paths(loads, em_mm, settings.tempo)
 
 
 # -- laying -------------------------------------------------------------------------------------
