@@ -98,7 +98,8 @@ def test_a_fan_with_bamboo_in_wet_ink_by_a_leaning_pen_is_sealed_and_saved(
     assert document.surface.flow.water == 0.0
     for stroke in document.strokes:
         pressures = np.array([sample.pressure for sample in stroke.samples])
-        assert np.ptp(pressures) > 0.1
+        quarter = len(pressures) // 4  # it comes down and goes up whatever the pen says
+        assert np.ptp(pressures[quarter:-quarter]) > 0.02
     places, black, red = colours(document)
     culm, seal = places[black], places[red]
     assert culm[:, 0].max() < 20.0  # mm, of the fan's middle
