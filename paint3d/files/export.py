@@ -332,7 +332,7 @@ def _write_html(path: Path, painting: Painting, options: ExportOptions, unit: st
         *painting[:4],
         title=painting.title,
         edges=painting.edges,
-        paper=0.0 if gloss is None else gloss.paper,
+        paper=(0.0, 0.0) if gloss is None else gloss.paper,
         note=options.note,
     )
 

@@ -149,7 +149,7 @@ class EdgeShaders(NamedTuple):
         return f"""  vec2 ofSheet = {paper.read};
   float moreInk = ofSheet.y, torn = pow(clamp(1.0 + {_TORN:.1f} * ofSheet.x, 0.1, 3.0), 1.5);
 {self.fragment}
-  painted = in_grain(painted, bareCodes, moreInk, surfacePlace);
+  painted = in_grain(painted, bareCodes, {paper.in_ink} * moreInk, surfacePlace);
 """
 
     @classmethod

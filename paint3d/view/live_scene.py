@@ -267,7 +267,7 @@ class LiveScene:
     def set_gloss(self, gloss: Gloss) -> None:
         """Set the gloss of the object's material."""
         self._gloss = gloss
-        self._paper = Paper(gloss.paper, quick=self.is_software) if gloss.paper > 0.0 else None
+        self._paper = Paper(gloss.paper, quick=self.is_software) if any(gloss.paper) else None
         for drawn in (*self._patches.values(), *self._coarse):
             _shine(drawn.actor.GetProperty(), gloss)
 

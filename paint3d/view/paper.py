@@ -110,13 +110,13 @@ class Paper:
 
     Parameters
     ----------
-    amount : float
+    amount : (2,) of float
         As `Gloss.paper`.
     quick : bool
         For drawing without a graphics card: read once, and without smaller copies of the tile.
     """
 
-    def __init__(self, amount: float, *, quick: bool = False) -> None:
+    def __init__(self, amount: tuple[float, float], *, quick: bool = False) -> None:
         from vtkmodules.vtkRenderingCore import vtkTexture
 
         self._amount = amount
@@ -141,16 +141,21 @@ class Paper:
 
     def light(self, *, codes: bool) -> str:
         """GLSL: the factor of a place's linear light or, near enough, of its codes."""
-        amount = self._amount * (_OF_CODES if codes else 1.0)
+        amount = self._amount[0] * (_OF_CODES if codes else 1.0)
         return f"(1.0 + {amount:.3f} * paper(surfacePlace).x)"
 
     @property
     def read(self) -> str:
         """GLSL: a vec2 of a place, 0 on average.
 
-        How bright its paper is, and how much more of its ink is seen there, as an exponent.
+        How bright its paper is, and how much more ink raw paper would show there, as an exponent.
         """
-        return f"{self._amount:.3f} * paper(surfacePlace)"
+        return f"{self._amount[0]:.3f} * paper(surfacePlace)"
+
+    @property
+    def in_ink(self) -> str:
+        """GLSL: how much of that exponent is seen in ink."""
+        return f"{self._amount[1] / max(self._amount[0], 1e-6):.3f}"
 
 
 def show_paper(actor: Any, mesh: Any, places: AnyArray, paper: Paper, *, codes: bool) -> None:

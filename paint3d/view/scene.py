@@ -25,7 +25,15 @@ from paint3d.view.edges import (
     set_edges,
 )
 from paint3d.view.paper import Paper, show_paper
-from paint3d.view.studio import LIGHTS, Gloss, Studio, linear_to_srgb, make_panorama, srgb_to_linear
+from paint3d.view.studio import (
+    LIGHTS,
+    NO_PAPER,
+    Gloss,
+    Studio,
+    linear_to_srgb,
+    make_panorama,
+    srgb_to_linear,
+)
 from paint3d.view.vtk_parts import DrawnMesh, make_texture
 
 __all__ = [
@@ -328,7 +336,7 @@ def _lit_object(scene: Scene, gloss: Gloss) -> DrawnMesh:
         scale[..., 1] = np.arange(256)
         surface.SetORMTexture(_texture(scale))
         shader.AddFragmentShaderReplacement("vec3(baseF0Uniform)", False, _FILM_MIRRORS, True)
-    paper = Paper(gloss.paper) if gloss.paper > 0.0 else None
+    paper = Paper(gloss.paper) if any(gloss.paper) else None
     if scene.edges is not None:
         draw_edges(actor, drawn.data, scene.edges, _LIT_EDGES, paper)
     if paper is not None:
@@ -491,7 +499,7 @@ def draw_flat(
     size: tuple[int, int],
     transparent: bool = False,
     edges: Edges | None = None,
-    paper: float = 0.0,
+    paper: tuple[float, float] = NO_PAPER,
 ) -> NDArray[np.uint8]:
     """Return the pixels of a projection, (height, width, 3) on white, or 4 if transparent.
 
@@ -508,7 +516,7 @@ def draw_flat(
     transparent : bool
     edges : Edges, optional
         Those of the paint, drawn sharp; by default codes are interpolated there, too.
-    paper : float
+    paper : (2,) of float
         As in `Gloss`.
 
     Raises
@@ -540,7 +548,7 @@ class FlatDrawing:
         frame: Frame,
         size: tuple[int, int],
         transparent: bool = False,
-        paper: float = 0.0,
+        paper: tuple[float, float] = NO_PAPER,
     ) -> None:
         self._faces, self._frame, self._transparent = faces, frame, transparent
         self._paper = paper
@@ -570,7 +578,7 @@ class FlatDrawing:
             if self._drawn is None:
                 drawn = self._drawn = DrawnMesh()
                 drawn.actor.GetProperty().SetLighting(False)
-                paper = Paper(self._paper) if self._paper > 0.0 else None
+                paper = Paper(self._paper) if any(self._paper) else None
                 if edges is not None:
                     draw_edges(drawn.actor, drawn.data, edges, _FLAT_EDGES, paper)
                 if paper is not None:

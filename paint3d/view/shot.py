@@ -28,7 +28,7 @@ from paint3d.view.picture import (
     light_object,
 )
 from paint3d.view.scene import FlatDrawing, Frame, SceneDrawing, draw_flat
-from paint3d.view.studio import LIGHTS, Gloss
+from paint3d.view.studio import LIGHTS, NO_PAPER, Gloss
 
 __all__ = [
     "AUTO",
@@ -115,9 +115,9 @@ class Shot:
         """Whether the object is lit."""
         return self.light != UNLIT and self.view != FLAT
 
-    def paper(self, gloss: Gloss | None) -> float:
-        """Return how much of its paper an unlit picture shows: none without light."""
-        return 0.0 if gloss is None or self.light == UNLIT else gloss.paper
+    def paper(self, gloss: Gloss | None) -> tuple[float, float]:
+        """Return what an unlit picture shows of paper, as `Gloss.paper`: none without light."""
+        return NO_PAPER if gloss is None or self.light == UNLIT else gloss.paper
 
     def seen_from(self, arrays: Arrays) -> View:
         """Return the view of the object."""

@@ -19,6 +19,7 @@ from paint3d.errors import UnknownNameError
 __all__ = [
     "DOME",
     "LIGHTS",
+    "NO_PAPER",
     "SOFTBOXES",
     "Gloss",
     "Softbox",
@@ -31,6 +32,7 @@ __all__ = [
 ]
 
 GOLDEN = (np.sqrt(5) - 1) / 2
+NO_PAPER = (0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -47,8 +49,9 @@ class Gloss:
         Coarseness, 0 (smooth) to 1: its bumps are lighter and its pits darker.
     wave_mm : float
         Distance between bumps.
-    paper : float
-        How much clouds and fibres of paper are seen; 1 for raw xuan, 0 where it is none.
+    paper : (2,) of float
+        How much is seen of the paper where it is bare, its clouds and fibres, and of its grain in
+        ink; (1, 1) for raw xuan, (0, 0) where it is none.
     each : (V,) float32, optional
         Visible roughness of each vertex, if they differ: where wet, or under dried ink.
     """
@@ -57,7 +60,7 @@ class Gloss:
     coat: float
     grain: float = 0.0
     wave_mm: float = 1.0
-    paper: float = 0.0
+    paper: tuple[float, float] = NO_PAPER
     each: NDArray[np.float32] | None = field(default=None, compare=False)
 
     def __post_init__(self) -> None:
@@ -65,7 +68,8 @@ class Gloss:
         as_number(self.wave_mm, "wave_mm", 0.01, 100.0)
         as_number(self.roughness, "roughness", 0.0, 1.0)
         as_number(self.coat, "coat", 0.0, 1.0)
-        as_number(self.paper, "paper", 0.0, 4.0)
+        for amount in self.paper:
+            as_number(amount, "paper", 0.0, 4.0)
 
     @classmethod
     def of(cls, material: str | Material) -> Gloss:
@@ -81,7 +85,7 @@ class Gloss:
             if name not in known:
                 raise UnknownNameError("material", name, known)
             material = known[name]
-        paper = _PAPERS.get(name, float(material.is_felted))
+        paper = _PAPERS.get(name, (1.0, 1.0) if material.is_felted else NO_PAPER)
         return cls(material.roughness, material.coat, paper=paper)
 
     @property
@@ -93,13 +97,15 @@ class Gloss:
 _GLOSSES = {
     "porcelain": Gloss(0.30, 0.90),
     "bisque": Gloss(0.75, 0.0),
-    "xuan": Gloss(0.95, 0.0, paper=1.0),
+    "xuan": Gloss(0.95, 0.0, paper=(1.0, 1.0)),
     "plaster": Gloss(0.9, 0.0),
     "terracotta": Gloss(0.8, 0.0),
 }
 
 
-_PAPERS = {"sized xuan": 0.8, "tinted xuan": 1.2, "silk": 0.0}  # silk is woven
+# Glue fills pores: in washes on album leaves the L* of what is finer than .25 mm varies by .5 to .8
+# where edges are crisp, by 1.1 to 2 where the sheet drinks. Silk is woven.
+_PAPERS = {"sized xuan": (0.8, 0.5), "tinted xuan": (1.2, 0.8), "silk": NO_PAPER}
 
 
 @dataclass(frozen=True)

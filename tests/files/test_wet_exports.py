@@ -363,7 +363,10 @@ def test_pictures_of_it_shine_so(tmp_path: Path) -> None:
 
 
 def test_those_of_the_program_shine_in_pictures_as_before() -> None:
-    for name, gloss in (("porcelain", Gloss(0.3, 0.9)), ("xuan", Gloss(0.95, 0.0, paper=1.0))):
+    for name, gloss in (
+        ("porcelain", Gloss(0.3, 0.9)),
+        ("xuan", Gloss(0.95, 0.0, paper=(1.0, 1.0))),
+    ):
         assert Gloss.of(name) == Gloss.of(load_material(name)) == gloss
     silk = load_material("silk")
     assert Gloss.of("silk") == Gloss(silk.roughness, silk.coat)

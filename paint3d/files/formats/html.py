@@ -44,7 +44,7 @@ def write_html(
     *,
     title: str = "painting",
     edges: Edges | None = None,
-    paper: float = 0.0,
+    paper: tuple[float, float] = (0.0, 0.0),
     note: str = "",
 ) -> None:
     """Write a viewer with the object, seen first from its painted side.
@@ -62,7 +62,7 @@ def write_html(
     title : str
     edges : Edges, optional
         Those of the paint (V vertices), shown sharp; by default colours are interpolated there.
-    paper : float
+    paper : (2,) of float
         As in `Gloss`.
     note : str
         What is said below it.
@@ -82,7 +82,7 @@ def write_html(
         "azimuth": azimuth,
         "elevation": elevation,
     }
-    if paper > 0.0:
+    if any(paper):
         about["paper"] = {"amount": paper, "recipe": RECIPE, "shader": SHADER}
     if edges is None:
         edges = Edges(srgb, np.full((len(srgb), 2), 255, np.uint8))
@@ -94,7 +94,7 @@ def write_html(
         "about": json.dumps(about),
         "mesh": base64.b64encode(zlib.compress(data, COMPRESSION)).decode("ascii"),
         "style": _resource("viewer.css"),
-        "paper": _resource("paper.js").replace("export ", "") if paper > 0.0 else "",
+        "paper": _resource("paper.js").replace("export ", "") if any(paper) else "",
         "script": _resource("viewer.js"),
     }
     page = MARK.sub(lambda mark: parts[mark[1]], _resource("viewer.html"))

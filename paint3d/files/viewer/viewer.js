@@ -48,7 +48,7 @@
         light = mix(vec3(mean), light, min(mean / 0.03, 1.0));
         painted = mix(codes_of(light), plain, smoothstep(0.5, 1.0, wide));
       }
-      vec2 sheet = felted * paper(at);
+      vec2 sheet = felted * SEEN_OF_PAPER * paper(at);
       if (felted > 0.0) {
         painted = in_grain(painted, bare_code, sheet.y, at);
         painted = codes_of(clamp(light_of(painted) * (1.0 + sheet.x), 0.0, 1.0));
@@ -62,6 +62,7 @@
     }`;
 
   const NO_PAPER = `
+    const vec2 SEEN_OF_PAPER = vec2(0.0);
     vec2 paper(vec3 place) { return vec2(0.0); }
     vec3 in_grain(vec3 codes, vec3 bare, float more, vec3 at) { return codes; }`;
 
@@ -100,7 +101,9 @@
   function upload() {
     program = gl.createProgram();
     gl.attachShader(program, compile(gl.VERTEX_SHADER, VERTEX));
-    const { paper } = about, declared = paper ? paperShader(paper.recipe, paper.shader) : NO_PAPER;
+    const { paper } = about;
+    const declared = !paper ? NO_PAPER
+      : `const vec2 SEEN_OF_PAPER = vec2(${paper.amount});${paperShader(paper.recipe, paper.shader)}`;
     gl.attachShader(program, compile(gl.FRAGMENT_SHADER, FRAGMENT(declared)));
     gl.linkProgram(program);
     gl.useProgram(program);
@@ -146,7 +149,7 @@
       elevation: wish("elevation", about.elevation) * Math.PI / 180,
       closer: wish("zoom", 1), right: 0, up: 0,
     });
-    camera.felted = wish("paper", about.paper ? about.paper.amount : 0);
+    camera.felted = wish("paper", about.paper ? 1 : 0);
     camera.first = fitted();
     show_light(wish("light", 0) !== 0);
     keep_in_range();

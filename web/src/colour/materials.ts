@@ -10,7 +10,7 @@ export interface Material {
   uptake: number;
   friction: number;
   seen_roughness: number;
-  paper: number; // how much of its clouds and fibres is seen
+  paper: [number, number]; // how much of its clouds and fibres is seen where it is bare, and of its grain in ink
   pores_mm: number;
   residual: number;
   advance: number;

@@ -41,7 +41,7 @@ void main() {
 const FRAGMENT = `#version 300 es
 precision highp float;
 in vec3 place; in vec3 normal; in vec3 code; in vec3 bare; in float open;
-uniform vec3 eye; uniform float roughness; uniform float flatness; uniform float felted;
+uniform vec3 eye; uniform float roughness; uniform float flatness; uniform vec2 felted;
 out vec4 shown;
 ${LIGHT}${paperShader(PAPER, PAPER_SHADER)}
 void main() {
@@ -104,7 +104,7 @@ void main() {
 /** How a material looks, beside its colour. */
 export interface Gloss {
   roughness: number;
-  paper: number; // how much of its clouds and fibres is seen; 1 for raw xuan, 0 where it is none
+  paper: [number, number]; // as `Material.paper`
 }
 
 /** A browser that cannot show the object. */
@@ -125,7 +125,7 @@ export class Stage {
   #capacity = 0;
   #corners = 0;
   #roughness = 1.0;
-  #paper = 0.0; // how much of it is seen
+  #paper: [number, number] = [0.0, 0.0]; // how much of it is seen
   #tile: { texture: WebGLTexture; isPaper: boolean } | null = null;
   #foot: { middle: Vector; half: [number, number]; round: number; margin: number; depth: number } =
     { middle: [0, 0, 0], half: [1, 1], round: 1, margin: 1, depth: 0 }; // prettier-ignore
@@ -288,7 +288,7 @@ export class Stage {
     gl.uniform3fv(at("eye"), camera.eye);
     gl.uniform1f(at("roughness"), this.#roughness);
     gl.uniform1f(at("flatness"), Number(this.flat));
-    gl.uniform1f(at("felted"), this.#paper);
+    gl.uniform2fv(at("felted"), this.#paper);
     gl.bindTexture(gl.TEXTURE_2D, this.#paperTexture());
     gl.bindVertexArray(this.#array);
     gl.drawElements(gl.TRIANGLES, this.#corners, gl.UNSIGNED_INT, 0);
@@ -299,7 +299,7 @@ export class Stage {
   /** The tile of paper; where none is seen one pixel, as a shader wants a texture in any case. */
   #paperTexture(): WebGLTexture {
     const gl = this.#gl;
-    const isPaper = this.#paper > 0.0;
+    const isPaper = this.#paper.some((amount) => amount > 0.0);
     if (this.#tile !== null && (this.#tile.isPaper || !isPaper)) return this.#tile.texture;
     const [pixels, size] = isPaper ? [(paperPixels ??= paperTile(PAPER)), PAPER.pixels] : [Uint8Array.of(128, 128), 1];
     const texture = this.#tile?.texture ?? gl.createTexture();
