@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.outline import outline_area
 from paint3d.core.kernel import uncounted
 
 __all__ = [
@@ -30,7 +31,6 @@ __all__ = [
     "ink_way",
     "keep_profile",
     "make_stamp",
-    "outline_area",
     "outline_motion",
     "profile_cell",
 ]
@@ -184,15 +184,6 @@ def keep_profile(stamp, heel, tip):
         values.area += (widths[i] + widths[i + 1]) * step
         if widths[i] > values.widest:
             values.widest, values.widest_at = widths[i], heel + i * step
-
-
-@uncounted
-def outline_area(reach, half_width, n):
-    """Area (mm2) of an outline of n points, the tip first."""
-    area = 0.0
-    for i in range(n - 1):
-        area += (half_width[i] + half_width[i + 1]) * (reach[i] - reach[i + 1])
-    return area
 
 
 @uncounted

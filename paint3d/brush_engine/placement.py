@@ -16,28 +16,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.brush_engine.drag import (
+    bent_by_twist,
+    drag_length,
+    drag_step,
+    drag_way,
+    lie_held,
+    release,
+    smooth_step,
+    trail_step,
+    twist_step,
+)
 from paint3d.brush_engine.footprint import (
     PROFILE_CELLS,
     fill_profile,
     hold_point,
     keep_profile,
 )
-from paint3d.brush_engine.tuft import (
-    bent_by_twist,
-    drag_length,
-    drag_step,
-    drag_way,
-    enclose_tuft,
-    gather_outline,
-    greatest_descent,
-    lie_held,
-    release,
-    round_tip,
-    smooth_step,
-    trace_outline,
-    trail_step,
-    twist_step,
-)
+from paint3d.brush_engine.outline import gather_outline, round_tip, trace_outline
+from paint3d.brush_engine.tuft import enclose_tuft, greatest_descent
 from paint3d.core.kernel import uncounted
 from paint3d.core.quaternion import compiled_x_axis, compiled_y_axis, compiled_z_axis
 from paint3d.mesh.kernels.bvh import find_foot, find_meant

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from paint3d.brush_engine.coverage import Chords, make_chords
 from paint3d.brush_engine.footprint import SWEEP
 from paint3d.brush_engine.ink_transfer import LINES
-from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
 from paint3d.mesh.kernels.mesh_arrays import Patch, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.drag import drag_length
 from paint3d.brush_engine.footprint import PROFILE_CELLS, Stamp, make_stamp, outline_motion
 from paint3d.brush_engine.ink_transfer import InkField, sweep_deposit
 from paint3d.brush_engine.placement import place_stamp
@@ -36,7 +37,6 @@ from paint3d.brush_engine.tuft import (
     WETNESS,
     Curves,
     Tuft,
-    drag_length,
 )
 from paint3d.core.kernel import kernel, uncounted
 from paint3d.mesh.kernels.bvh import ContactTree

@@ -23,7 +23,7 @@ from paint3d.app.model.input.symmetry import (
     transform_samples,
 )
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
 from paint3d.core.quaternion import matrices_from_quaternions, rotate
 from paint3d.errors import BrushError, InputError
 from paint3d.files.load import load_mesh

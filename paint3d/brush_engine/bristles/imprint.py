@@ -29,7 +29,7 @@ from paint3d.brush_engine.footprint import (
     hold_point,
     keep_profile,
 )
-from paint3d.brush_engine.tuft import gather_outline
+from paint3d.brush_engine.outline import gather_outline
 from paint3d.core.arrays import zeros_on_lines
 from paint3d.core.kernel import kernel, uncounted
 
