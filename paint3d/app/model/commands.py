@@ -590,7 +590,7 @@ def decode_command(
     name = line.get("do")
     if name == "edit_stroke" and "number" in line:  # journals had one stroke's edits by themselves
         rest = {key: value for key, value in line.items() if key != "number"}
-        name, line = "edit_strokes", {**rest, "do": "edit_strokes", "places": [line["number"]]}
+        name, line = "edit_strokes", {**rest, "do": "edit_strokes", "indices": [line["number"]]}
     if not isinstance(name, str) or name not in COMMANDS or COMMANDS[name].codec is None:
         raise SessionError(
             "the journal asks for {name!r:.40}; expected what a document can do",
