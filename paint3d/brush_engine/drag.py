@@ -125,10 +125,10 @@ def drag_length(descent, length_mm, fraction):
     depth = descent / scale
     middle = 0.92 * depth**0.84
     if fraction < 1.0 / 3.0:
-        share = 3.0 * fraction
-        return scale * (0.61 * depth**0.78 * (1.0 - share) + middle * share)
-    share = 6.0 * (fraction - 1.0 / 3.0)
-    return scale * (middle * (1.0 - share) + 1.19 * depth**0.81 * share)
+        fraction = 3.0 * fraction
+        return scale * (0.61 * depth**0.78 * (1.0 - fraction) + middle * fraction)
+    fraction = 6.0 * (fraction - 1.0 / 3.0)
+    return scale * (middle * (1.0 - fraction) + 1.19 * depth**0.81 * fraction)
 
 
 @uncounted
@@ -196,13 +196,13 @@ def twist_step(twist, turned, way, slack):
 
 @uncounted
 def bent_by_twist(twist):
-    """How far a tuft with such a twist (rad) lies in its bend, 0 to 1."""
+    """Degree to which a tuft with such a twist (rad) lies in its bend, 0 to 1."""
     return 1.0 - smooth_step((abs(twist) - _TWISTED[0]) / (_TWISTED[1] - _TWISTED[0]))
 
 
 @uncounted
 def trail_step(along, across, aside, short, length, way, pressed, bent):
-    """How the tip lies behind its heel after that has moved: docs/model.md, equation (4a).
+    """Trail the tip behind its heel after that has moved: docs/model.md, equation (4a).
 
     Parameters
     ----------
@@ -244,7 +244,7 @@ def trail_step(along, across, aside, short, length, way, pressed, bent):
 
 @uncounted
 def lie_held(aside, short, length, bent):
-    """How a footprint is laid whose tip lies so far aside and so much nearer to its heel.
+    """Turn and shorten a footprint whose tip lies so far aside and so much nearer to its heel.
 
     A tuft in a heap has no tip to be held by, and one whose tip is under its heel no direction: as
     it comes there it lies in its bend. See docs/model.md, section 2.
@@ -275,7 +275,7 @@ def lie_held(aside, short, length, bent):
 
 @uncounted
 def hold_along(handle, azimuth, descent, heel, length, out):
-    """How footprints are laid whose tips the paper holds, under a plane track of the handle.
+    """Turn and shorten footprints whose tips the paper holds, under a plane track of the handle.
 
     Parameters
     ----------

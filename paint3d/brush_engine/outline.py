@@ -46,8 +46,8 @@ _FIRST_COLUMN = 6  # of the tables, that has arcs enough under the lightest touc
 # Where the outline's points lie between tip and heel, in stations; crowded towards the heel, where
 # the width falls like a root.
 _EVEN = np.linspace(0.0, 1.0, _POINTS)
-_SHARES = 0.35 * _EVEN + 0.65 * np.sin(0.5 * np.pi * _EVEN)
-_SHARES.setflags(write=False)
+_FRACTIONS = 0.35 * _EVEN + 0.65 * np.sin(0.5 * np.pi * _EVEN)
+_FRACTIONS.setflags(write=False)
 
 
 @uncounted
@@ -103,14 +103,14 @@ def _trace_at(tuft, at, spread, scratch, out_reach, out_half_width):
     n = 0
     least = _FALLING * tuft.length
     for k in range(_POINTS):
-        place = heel * _SHARES[k]
+        place = heel * _FRACTIONS[k]
         j = min(int(place), STATIONS - 2)
         weights = cubic_weights(place - j)
         x = tuft.length * interpolate(reach, j - 1, weights)
         if n > 0 and x > out_reach[n - 1] - least:
             continue
-        share = max(interpolate(openness, j - 1, weights), 0.0)
-        height = spread * share / (1.0 - share)
+        fraction = max(interpolate(openness, j - 1, weights), 0.0)
+        height = spread * fraction / (1.0 - fraction)
         half = 0.5 * spread * max(interpolate(tuft.diameters, j - 1, weights), 0.0)
         out_reach[n] = x
         out_half_width[n] = half * math.sqrt(max(1.0 - height * height, 0.0))
@@ -124,7 +124,7 @@ def _trace_at(tuft, at, spread, scratch, out_reach, out_half_width):
 
 @uncounted
 def _find_heel(openness, level):
-    """Where, in stations, the openness first comes up to a level; 0 where it begins above it."""
+    """Find, in stations, the first root of openness - level; 0 where it begins above it."""
     n = openness.shape[0]
     k = 0
     while k < n and openness[k] < level:
@@ -184,7 +184,7 @@ def round_tip(reach, half_width, n):
 
 @uncounted
 def gather_outline(bent, straight, reach, half_width, n):
-    """Let a tuft that is not bent lie in a heap under its root: docs/model.md, equation (4).
+    """Gather the outline of a tuft that is not bent in a heap: docs/model.md, equation (4).
 
     Where the dragged point is the root's foot there is no direction to lie in: the outline is a
     disc of the same area, and grows into the bent one as the paper pulls the tip away.
@@ -208,9 +208,9 @@ def gather_outline(bent, straight, reach, half_width, n):
     middle, half = 0.5 * (tip + heel), 0.5 * (tip - heel)
     centre = bent * middle + (1.0 - bent) * straight
     for i in range(n):
-        share = min(1.0, max(-1.0, (reach[i] - middle) / half))
-        reach[i] = (bent * half + (1.0 - bent) * disc) * share
-        round_ = disc * math.sqrt(1.0 - share * share)
+        fraction = min(1.0, max(-1.0, (reach[i] - middle) / half))
+        reach[i] = (bent * half + (1.0 - bent) * disc) * fraction
+        round_ = disc * math.sqrt(1.0 - fraction * fraction)
         half_width[i] = bent * half_width[i] + (1.0 - bent) * round_
     half_width[0], half_width[n - 1] = 0.0, 0.0
     scale = math.sqrt(area / outline_area(reach, half_width, n))

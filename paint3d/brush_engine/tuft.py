@@ -91,7 +91,7 @@ class Tuft(NamedTuple):
     load: float  # ink held when full, coat mm2
     transfer_per_mm: float  # eta' of the continuous Eq. 13, 1/mm
     drag_fraction: float  # c of the dragged mode
-    plasticity: float  # rho: share of the bend kept when the pen lifts
+    plasticity: float  # rho: fraction of the bend kept when the pen lifts
 
 
 class Curves(NamedTuple):
@@ -140,11 +140,11 @@ def cubic_weights(t):
 
 
 class TablePosition(NamedTuple):
-    """Where in the tables a pressed tuft is read: two rows, four columns of each, their weights."""
+    """Position in the tables of shapes: two rows, four columns of each, and their weights."""
 
     row: int
     column: int  # first of the four
-    share: float  # of the second row
+    fraction: float  # of the second row
     a: float
     b: float
     c: float
@@ -172,7 +172,7 @@ def locate(tuft, descent, tilt):
 @uncounted
 def blend_rows(table, at, n, out):
     """The first n numbers of a table's (tilts, descents, N) rows at a place."""
-    low, high = 1.0 - at.share, at.share
+    low, high = 1.0 - at.fraction, at.fraction
     below, above = table[at.row], table[at.row + 1]
     k = at.column
     a0, b0, c0, d0 = below[k], below[k + 1], below[k + 2], below[k + 3]

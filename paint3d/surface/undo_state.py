@@ -420,8 +420,8 @@ def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
                 raise SessionError("a layer is blended by {blend!r:.40}", blend=blend)
         if len(looks) not in (0, len(own)):
             raise SessionError("{n} looks are for {own} layers", n=len(looks), own=len(own))
-        told = rest[1] if len(rest) > 1 else [None] * len(own)
-        groups = tuple(None if group is None else read_group(group) for group in told)
+        saved = rest[1] if len(rest) > 1 else [None] * len(own)
+        groups = tuple(None if group is None else read_group(group) for group in saved)
         if len(groups) != len(own):
             raise SessionError("{n} groups are for {own} layers", n=len(groups), own=len(own))
         stack.know_groups(groups)

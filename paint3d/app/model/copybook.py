@@ -155,7 +155,7 @@ class Ghost:
         """
         side = self._side
         faces = surface.paint_mesh.leaf_faces()
-        coverage = surface.share_painted()
+        coverage = surface.painted_coverage()
         faces = faces[(coverage[faces] > 0.0).any(axis=1)]
         vertices = surface.paint_mesh.vertices
         used = np.unique(faces)
