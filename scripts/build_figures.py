@@ -17,14 +17,8 @@ from scipy.interpolate import splev, splprep
 import paint3d
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.presets import load_brush
-from paint3d.brush_engine.tuft import (
-    OUTLINE_CAPACITY,
-    SCRATCH_SIZE,
-    STATIONS,
-    enclose_tuft,
-    trace_outline,
-    trace_spine,
-)
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
+from paint3d.brush_engine.tuft import STATIONS, enclose_tuft, trace_spine
 from paint3d.cli.sources import lay_on
 from paint3d.colour.layers import layer_reflectance
 from paint3d.colour.pigments import load_pigment

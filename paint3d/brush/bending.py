@@ -23,13 +23,7 @@ from numpy.typing import NDArray
 from paint3d.brush.spec import DEEPEST_PRESS, LARGEST_DRAG_FRACTION, BrushSpec
 from paint3d.brush_engine.enclosing_sphere import tabulate_spheres
 from paint3d.brush_engine.spine import tabulate_bending
-from paint3d.brush_engine.tuft import (
-    RING_STATIONS,
-    SPHERE_SPREADS,
-    SPHERE_STEPS,
-    STATIONS,
-    Tuft,
-)
+from paint3d.brush_engine.tuft import RING_STATIONS, SPHERE_SPREADS, SPHERE_STEPS, STATIONS, Tuft
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import BrushError

@@ -11,14 +11,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.brush_engine.tuft import (
-    OUTLINE_CAPACITY,
-    SCRATCH_SIZE,
-    Tuft,
-    greatest_descent,
-    round_tip,
-    trace_outline,
-)
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE, round_tip, trace_outline
+from paint3d.brush_engine.tuft import Tuft, greatest_descent
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import BrushError
 

@@ -28,7 +28,7 @@ _KEPT = threading.local()  # the scratch of each thread: a stylus asks for 1000 
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """How a bent brush stands on a surface (object frame, mm, rad).
+    """Contact of a bent brush with a surface (object frame, mm, rad).
 
     Attributes
     ----------

@@ -1,9 +1,9 @@
-"""How much of a vertex's own small box a sweeping footprint covers, and for how long.
+"""Coverage of a vertex's own small box by a sweeping footprint: how much, and for how long.
 
-Guo 2017 asks whether a vertex lies inside the outline. Here it is asked for how long: its share of
-the ink is the mean share of its box that was covered on the way between the two stamps. That closes
-the gaps between samples (Guo 2015, section 3.2), does not darken with the sampling rate, and draws
-edges finer than the vertices.
+Guo 2017 asks whether a vertex lies inside the outline. Here it is asked for how long: its fraction
+of the ink is the mean fraction of its box that was covered on the way between the two stamps. That
+closes the gaps between samples (Guo 2015, section 3.2), does not darken with the sampling rate, and
+draws edges finer than the vertices.
 
 Both outlines are cut into lines along the way, half a box apart. What an outline covers of a box on
 a line lies between two ramps: each has the middle and the spread of where the box's rows meet the
@@ -49,7 +49,7 @@ _NARROWEST = 1.0 / 64.0  # box widths: an outline counts as at least so broad
 _ROWS = 2  # cuts from a line to the next
 _ROUND = 0.57  # with which a chord that grows like a root is as long on average
 _NOWHERE = 1e30  # mm
-_NOTHING = np.float32(1e-5)  # share of a box: less may come of rounding
+_NOTHING = np.float32(1e-5)  # fraction of a box: less may come of rounding
 _STILL = np.float32(1e-3)  # box widths: a shorter way is judged by its middle
 BANDS, LEVELS = 64, 7  # bands of neighbouring lines, and of these spans of 1, 2, 4 to 64
 _HALF = np.float32(0.5)
@@ -96,13 +96,13 @@ def make_chords() -> Chords:
 
 @uncounted(error_model="numpy", forceinline=True)
 def _covered(edge):
-    """Share of the unit box on the inner side of an edge at a signed distance (box widths)."""
+    """Fraction of the unit box on the inner side of an edge at a signed distance (box widths)."""
     return min(_ONE, max(_ZERO, _HALF + edge))
 
 
 @uncounted(error_model="numpy", forceinline=True)
 def _per_way(a, b):
-    """One over the way of an edge whose distance goes from a to b; 0 where it stands still."""
+    """Inverse of the way of an edge whose distance goes from a to b; 0 where it stands still."""
     way = b - a
     still = abs(way) < _STILL
     per_way = _ONE / (_ONE if still else way)
@@ -124,13 +124,13 @@ def _mean_covered(a, b, per_way):
 
 @uncounted(error_model="numpy", forceinline=True)
 def _between(a, b):
-    """Share of the box on the inner side of two edges that face each other."""
+    """Fraction of the box on the inner side of two edges that face each other."""
     return max(_ZERO, _covered(a) + _covered(b) - _ONE)
 
 
 @uncounted(error_model="numpy", forceinline=True)
 def _covered_at(t, a, b, c, d, low, low_then, high, high_then):
-    """Share of the box between two edges and two flanks after a part of the way, by distances."""
+    """Fraction of the box between two edges and two flanks after a part t of the way."""
     within = _between(low + t * (low_then - low), high + t * (high_then - high))
     return within * _between(a + t * (b - a), c + t * (d - c))
 
@@ -156,7 +156,7 @@ def _lay_outline(stamp, turn, points, flanks):
 
 @uncounted(error_model="numpy")
 def cut_outline(points, at, n, per_mm, enters, leaves):
-    """Where lines along the way enter and leave an outline, mm; one that passes it by, never.
+    """Cut an outline by lines along the way: where each enters and leaves it, mm, or never.
 
     Parameters
     ----------
@@ -425,7 +425,7 @@ def _fill_level(apart, is_least, below, here):
 
 @uncounted(error_model="numpy", forceinline=True)
 def _look_up(y, first, per_mm, last):
-    """Where the line before a place begins in a stamp's table, and how far from it the place is."""
+    """Find the row of the line before a position in a stamp's table, and the distance from it."""
     at = min(max((y - first) * per_mm, _ZERO), last)
     line = np.int32(at)
     return (np.uint32(line) & np.uint32(_MOST_LINES - 1)) * np.uint32(_ROW), at - np.float32(line)
@@ -433,7 +433,7 @@ def _look_up(y, first, per_mm, last):
 
 @uncounted(error_model="numpy", forceinline=True)
 def _ends(i, part, lines):
-    """Where the middles of both ramps lie."""
+    """Positions of the middles of both ramps."""
     rises = lines[i + np.uint32(_RISES)]
     enters = np.uint32(lines[i + np.uint32(_ENTERS)]).view(np.float32) + part * _first(rises)
     leaves = np.uint32(lines[i + np.uint32(_LEAVES)]).view(np.float32) + part * _second(rises)
@@ -452,10 +452,10 @@ def _distances(x, y, first, per_mm, last, lines):
 
 
 @uncounted(error_model="numpy", apart=True)
-def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover):
-    """Time-mean share for the ink, and greatest share covered, of vertices.
+def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, fraction, cover):
+    """Time-mean fraction for the ink, and greatest fraction covered, of vertices.
 
-    The share is w of docs/model.md, equations (9) and (9a).
+    The fraction is w of docs/model.md, equations (9) and (9a).
 
     Parameters
     ----------
@@ -469,7 +469,7 @@ def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover)
     xs, ys, stretch : (n or more,) float32
         Where vertices lie along the way and across, mm, and how many times their area the plane's
         is.
-    share, cover : (n or more,) float32
+    fraction, cover : (n or more,) float32
         Filled.
     """
     per_box = np.float32(scale)
@@ -506,12 +506,12 @@ def weigh(n, scale, flanks, grids, before, after, xs, ys, stretch, share, cover)
         most = max(max(passed, left), max(begin, end))
         cover[k] = most if most > _NOTHING else _ZERO
         weight = (within - _ONE) * mean
-        share[k] = weight * stretch[k] if min(weight, most) > _NOTHING else _ZERO
+        fraction[k] = weight * stretch[k] if min(weight, most) > _NOTHING else _ZERO
 
 
 @uncounted(error_model="numpy", apart=True)
 def find_begun(n, scale, flanks, grid, lines, xs, ys, begun):
-    """Share of vertices' boxes that the outline covers where a sweep begins.
+    """Fraction of vertices' boxes that the outline covers where a sweep begins.
 
     Parameters
     ----------
@@ -536,7 +536,7 @@ def find_begun(n, scale, flanks, grid, lines, xs, ys, begun):
 
 @uncounted(error_model="numpy", forceinline=True)
 def _track(y, x, y_then, x_then, half):
-    """How far a flank goes along the way for each mm across; 0 where it hardly goes across."""
+    """Slope of a flank's way, mm along it for each mm across; 0 where it hardly goes across."""
     across = y_then - y
     return np.float32((x_then - x) / across) if abs(across) > 0.1 * half else _ZERO
 
@@ -591,7 +591,7 @@ def fetch(runs, n_runs, ids, n, values, out):
 
 
 @uncounted(error_model="numpy", apart=True)
-def weighed_area(n, area, share, step):
+def weighed_area(n, area, fraction, step):
     """Area that vertices stand for, weighed, mm2.
 
     Summed in whole numbers of steps (mm2, a power of two, see `SurfaceField`), so that the order in
@@ -601,6 +601,6 @@ def weighed_area(n, area, share, step):
     middle = np.float64(_MIDDLE * step)
     total = np.int64(0)
     for k in range(n):
-        near = np.float64(share[k] * area[k] + middle)
+        near = np.float64(fraction[k] * area[k] + middle)
         total += near.view(np.int64)
     return (total - n * middle.view(np.int64)) * step

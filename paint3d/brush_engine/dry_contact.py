@@ -68,7 +68,7 @@ _SOFT = 0.145  # standard deviation of the softness: contact comes about over .5
 _GAIN, _OFFSET = 2.4, 0.1  # of the contact level
 _FLOODED, _FLOOD = 0.8, 1.5  # level from which the tuft begins to flood the rest, and by how much
 _STANDS = 1.0  # standard deviations that hairs which stand touch less than those dragged along
-_LEAST = np.float32(0.02)  # share below which nothing is touched
+_LEAST = np.float32(0.02)  # fraction below which nothing is touched
 _LEADS_MM = 1.0  # of the way, over which it is told where it leads
 _CURVES_MM, _SHARPEST = 3.0, 0.2  # mm over which the way's curve is told; 1/mm, at most
 _FLOWS_MM_S, _MOST_HASTE = 220.0, 2.0  # speed at which haste is 1; clocks of devices jump
@@ -77,7 +77,7 @@ _SEEN = 1.6  # wavelength of bumps over their length
 
 
 class DryContact(NamedTuple):
-    """What a sweep's vertices share."""
+    """Numbers of the dry contact that all vertices of a sweep have in common."""
 
     supply: float  # of the whole tuft, standard deviations over the mean height
     mean_broad: float  # what broad bundles bring, the mean across the way, as `broad` shows it
@@ -157,17 +157,17 @@ def _noise(x, y, z):
     for p in range(2):
         for q in range(2):
             for r in range(2):
-                share = (a if p else 1.0 - a) * (b if q else 1.0 - b) * (c if r else 1.0 - c)
+                fraction = (a if p else 1.0 - a) * (b if q else 1.0 - b) * (c if r else 1.0 - c)
                 slope = _gradient(i + p, j + q, k + r, 0) * (u - p)
                 slope += _gradient(i + p, j + q, k + r, 1) * (v - q)
                 slope += _gradient(i + p, j + q, k + r, 2) * (w - r)
-                total += share * slope
+                total += fraction * slope
     return total
 
 
 @uncounted(error_model="numpy")
 def _seen(length, apart):
-    """How much of bumps of a length (mm) vertices show that lie so far apart (mm), 0 to 1."""
+    """Fraction of bumps of a length (mm) that vertices so far apart (mm) show, 0 to 1."""
     t = min(1.0, max(0.0, 0.5 * _SEEN * length / apart - 1.0))
     return t * t * (3.0 - 2.0 * t)
 
@@ -241,7 +241,7 @@ def _per_width(values, root_mm):
 
 @uncounted(error_model="numpy")
 def _mean_supply(ahead_x, ahead_y, values, per_mm, ink):
-    """What broad bundles bring, the mean across the way: they share what the tuft holds."""
+    """Mean across the way of what broad bundles bring: they divide what the tuft holds."""
     middle, half = _extent_across(ahead_x, ahead_y, values)
     along, total = (values.parted + values.way) / _BROAD_WAY, 0.0
     for n in range(-_EACH_SIDE, _EACH_SIDE + 1):
@@ -252,7 +252,7 @@ def _mean_supply(ahead_x, ahead_y, values, per_mm, ink):
 
 @uncounted(error_model="numpy")
 def dry_contact(level, carried, after, bundles, field, ink):
-    """What the vertices of a sweep share; docs/model.md, equation (13).
+    """Compute what the vertices of a sweep have in common; docs/model.md, equation (13).
 
     Parameters
     ----------
@@ -391,7 +391,7 @@ def _place_on_tuft(n, contact, values, block):
 
 @uncounted(error_model="numpy")
 def _extent_across(ahead_x, ahead_y, values):
-    """Where the footprint's middle lies across the way, and how far it reaches from there, mm.
+    """Position of the footprint's middle across the way, and its reach from there, mm.
 
     Half the width where the tuft trails, half the length where it goes sideways (pianfeng): as an
     ellipse of the footprint's length and width would.
@@ -403,7 +403,7 @@ def _extent_across(ahead_x, ahead_y, values):
 
 @uncounted(error_model="numpy")
 def _signed_byte(number):
-    """What the uppermost byte of the lower half of a number says."""
+    """Value of the uppermost byte of the lower half of a number, signed."""
     return np.float32(np.int32(number) >> _DOWN)
 
 
@@ -479,7 +479,7 @@ def _add_supply(n, contact, after, ink, block):
 
 @uncounted(error_model="numpy")
 def _touch(n, contact, after, ink, block):
-    """Make of the supply in row 6 of a block the share that the tuft touches.
+    """Make of the supply in row 6 of a block the fraction that the tuft touches.
 
     The first three rows hold the vertices' places (mm), and are lost.
     """
@@ -512,9 +512,9 @@ def _copy_positions(n, px, py, pz, rows):
 
 @uncounted(error_model="numpy")
 def thin_contact(contact, after, found, n, ink, block):
-    """Take what the tuft does not touch from the shares of the vertices found.
+    """Take what the tuft does not touch from the fractions of the vertices found.
 
-    The share touched is docs/model.md, equation (13).
+    The fraction touched is docs/model.md, equation (13).
 
     Parameters
     ----------
@@ -531,20 +531,20 @@ def thin_contact(contact, after, found, n, ink, block):
     for first in range(0, n, size):
         m = min(size, n - first)
         last = first + m
-        share, cover = found.share[first:last], found.cover[first:last]
+        fraction, cover = found.fraction[first:last], found.cover[first:last]
         px, py, pz = found.px[first:last], found.py[first:last], found.pz[first:last]
         _copy_positions(m, px, py, pz, block.rows)
         _begin_supply(m, contact, found.under[first:last], touched)
         _touch(m, contact, after, ink, block)
         for k in range(m):
             part = touched[k] if touched[k] > _LEAST else np.float32(0.0)
-            share[k] *= part
+            fraction[k] *= part
             cover[k] *= part
 
 
 @uncounted(error_model="numpy")
 def weigh_streaks(strength, contact, after, found, n, ink, block):
-    """Weigh the shares of vertices under a wet tuft by what bundles bring: docs/model.md, (12).
+    """Weigh the fractions of vertices under a wet tuft by what bundles bring: docs/model.md, (12).
 
     Where a bundle brings much there is ink last when the brush runs dry.
 
@@ -562,7 +562,7 @@ def weigh_streaks(strength, contact, after, found, n, ink, block):
     for first in range(0, n, size):
         m = min(size, n - first)
         last = first + m
-        share, brings = found.share[first:last], found.brings[first:last]
+        fraction, brings = found.fraction[first:last], found.brings[first:last]
         px, py, pz = found.px[first:last], found.py[first:last], found.pz[first:last]
         _copy_positions(m, px, py, pz, block.rows)
         for k in range(m):
@@ -572,4 +572,4 @@ def weigh_streaks(strength, contact, after, found, n, ink, block):
             e = factor * supply[k] - begin
             weight = one + e * (one + half * e * (one + third * e))  # exp(e), which is small
             brings[k] = weight
-            share[k] *= weight
+            fraction[k] *= weight

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.outline import outline_area
 from paint3d.core.kernel import uncounted
 
 __all__ = [
@@ -30,7 +31,6 @@ __all__ = [
     "ink_way",
     "keep_profile",
     "make_stamp",
-    "outline_area",
     "outline_motion",
     "profile_cell",
 ]
@@ -51,10 +51,8 @@ _VECTOR = ("f8", (3,))
 
 GEOMETRY = np.dtype(
     [
-        (
-            "origin",
-            *_VECTOR,
-        ),  # where the outline is counted from: P'_m, moved as the plane leans or it turns, mm
+        # origin of the outline: P'_m, moved as the plane leans or it turns, mm
+        ("origin", *_VECTOR),
         ("normal", *_VECTOR),  # of the plane: mean over the effective patch
         ("bend", *_VECTOR),  # direction of P'_m P_0 in the plane (azimuth alpha)
         ("cross", *_VECTOR),  # normal x bend
@@ -108,7 +106,7 @@ SWEEP = np.dtype(
         ("ball", "f8", 3),  # middle of the ball in which vertices are carried, from the origin, mm
         ("ball2", "f8"),  # square of its radius
         ("wet", "f8"),  # load over that below which the tuft begins to skip: `wetness`
-        ("steady", "f8", 3),  # share of what paper moves the outlines by that they do not follow:
+        ("steady", "f8", 3),  # fraction of paper's shifts that outlines do not follow:
         # at the plane's origin, and how much less to the mm along its axes
     ],
     align=True,
@@ -187,17 +185,8 @@ def keep_profile(stamp, heel, tip):
 
 
 @uncounted
-def outline_area(reach, half_width, n):
-    """Area (mm2) of an outline of n points, the tip first."""
-    area = 0.0
-    for i in range(n - 1):
-        area += (half_width[i] + half_width[i + 1]) * (reach[i] - reach[i + 1])
-    return area
-
-
-@uncounted
 def hold_point(values, along, across):
-    """Let the stamp's enclosing sphere hold a point of its plane, `along` and `across` the bend."""
+    """Enlarge a stamp's enclosing sphere to hold a point of its plane, by bend and cross, mm."""
     d2 = 0.0
     for axis in range(3):
         d = values.origin[axis] - values.sphere_centre[axis]
@@ -208,7 +197,7 @@ def hold_point(values, along, across):
 
 @uncounted
 def outline_motion(a, b):
-    """How far the fastest of the outline's points moved between two stamps (mm)."""
+    """Distance that the fastest of the outline's points moved between two stamps (mm)."""
     fastest = 0.0
     for point in range(4):
         d2 = 0.0
@@ -221,7 +210,7 @@ def outline_motion(a, b):
 
 @uncounted(error_model="numpy")
 def find_way(before, after):
-    """How much of a footprint's motion its way is, and where that leads, by bend and cross.
+    """Fraction of a footprint's motion that is its way, and whither it leads, by bend and cross.
 
     0 for one that turns, grows or comes down in its place, 1 for one that is only carried on.
     """
@@ -354,7 +343,7 @@ def _fill_turn(values, sweep, turn):
 
 @uncounted(error_model="numpy")
 def _fill_steady(values, along, across, sweep):
-    """How little of paper's unevenness the edge of a footprint follows.
+    """Fill the part of paper's unevenness that the edge of a footprint does not follow.
 
     A thin line brings little ink for fibres to draw on, and ink that has time and is plenty runs
     together to a smooth edge. The point of the tuft draws a cleaner one than its belly.
@@ -398,7 +387,7 @@ def _fill_ball(before, after, plane, scale, sweep):
 
 @uncounted(error_model="numpy")
 def _reach_from_foot(stamp):
-    """How far an outline's farthest point lies from the place that the hand means, mm."""
+    """Distance of an outline's farthest point from the point that the hand means, mm."""
     values = stamp.values[0]
     if values.touches <= 0.0:
         return 0.0

@@ -40,7 +40,7 @@ from paint3d.mesh.kernels.mesh_arrays import as_index
 __all__ = [
     "FADING",
     "FILM",
-    "FILM_SHARE",
+    "FILM_FRACTION",
     "LINES",
     "PAINTED",
     "TRANSFER",
@@ -55,10 +55,10 @@ __all__ = [
     "forget_dirty",
     "given_on_way",
     "held_ink",
-    "landing_share",
+    "landing_fraction",
     "leave_from_reservoirs",
+    "level_film",
     "level_reservoirs",
-    "level_shares",
     "mean_pressure",
     "note_covered",
     "sweep_deposit",
@@ -80,7 +80,7 @@ __all__ = [
 
 LINES = 64  # along the way, side by side, that a footprint is cut into
 _RUNS_DRY = (0.15, 0.3)  # contact level below which a tuft has no film, and from which it has one
-_MOST = 6.0  # times a share that a line gets
+_MOST = 6.0  # times a fraction that a line gets
 _ON_GLAZE, _ON_GRAIN = 1.15, 0.55  # power of a line's length that what it gets falls with
 # Strength of what bundles of hairs bring on paper: of a tuft about to skip, and of one so many
 # times as full, in which ink runs together
@@ -89,7 +89,7 @@ _STREAKS, _STREAKS_FULL, _FULL = 0.16, 0.05, 2.2
 
 @uncounted(error_model="numpy")
 def _fill_gains(enters, leaves, strength, power, numbers, gains):
-    """How many times its share what lies on a line gets: straight from one's middle to the next's.
+    """Fill the gains of a footprint's lines: linear from the middle of one to that of the next.
 
     Where a footprint's lines are entered and left is given; `numbers` is worked in.
     """
@@ -111,8 +111,8 @@ def _fill_gains(enters, leaves, strength, power, numbers, gains):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _give_by_line(n, aside, first, per_mm, reach, gains, share):
-    """Multiply the shares of vertices by what the lines on which they lie get.
+def _give_by_line(n, aside, first, per_mm, reach, gains, fraction):
+    """Multiply the fractions of vertices by what the lines on which they lie get.
 
     The middle of the first line lies at `first` mm across the way, and vertices stand for `reach`
     mm to either side: of one at a flank, the line in the middle of what is covered counts. Between
@@ -127,12 +127,12 @@ def _give_by_line(n, aside, first, per_mm, reach, gains, share):
         at = np.float32(0.5) * (max(at - half, left) + min(at + half, right))
         at = min(max(at, np.float32(0.0)), last)
         line = np.uint32(np.int32(at)) & np.uint32(LINES - 1)
-        share[k] *= starts[line] + at * rises[line]
+        fraction[k] *= starts[line] + at * rises[line]
 
 
 @uncounted(error_model="numpy")
-def level_shares(before, after, wet, contact, field, ink, n, scratch):
-    """Let what a sweep leaves lie as an even film across the way, as far as the tuft is wet.
+def level_film(before, after, wet, contact, field, ink, n, scratch):
+    """Level what a sweep leaves to an even film across the way, as far as the tuft is wet.
 
     On paper bundles of hairs show in it.
 
@@ -145,7 +145,7 @@ def level_shares(before, after, wet, contact, field, ink, n, scratch):
         Where bundles are.
     field, ink : SurfaceField, InkField
     n : int
-        Vertices in `scratch.found`; their shares are changed.
+        Vertices in `scratch.found`; their fractions are changed.
     scratch : Scratch
 
     Returns
@@ -173,7 +173,7 @@ def level_shares(before, after, wet, contact, field, ink, n, scratch):
     power = _ON_GLAZE + ink.transfer[0].grain * (_ON_GRAIN - _ON_GLAZE)
     _fill_gains(enters, leaves, evens, power, numbers, gains)
     reach = 0.5 * field.soft_edge
-    _give_by_line(n, found.aside, at[0], 1.0 / apart, reach, gains, found.share)
+    _give_by_line(n, found.aside, at[0], 1.0 / apart, reach, gains, found.fraction)
     if drinks > 0.0:
         full = min(1.0, max(0.0, (wet - 1.0) / (_FULL - 1.0)))
         strength = evens * drinks * (_STREAKS + full * (_STREAKS_FULL - _STREAKS))
@@ -190,7 +190,7 @@ def level_shares(before, after, wet, contact, field, ink, n, scratch):
 
 TRANSFER = np.dtype(
     [
-        ("pickup", "f8"),  # share of the wet ink under the brush that it takes up per mm, at pe = 1
+        ("pickup", "f8"),  # fraction of the wet ink under it that a brush takes per mm, at pe = 1
         ("grain", "f8"),  # of the surface's material, 0 to 1
         ("capacity", "f8"),  # ink in a full brush, coats x mm2
         ("tooth_mm", "f8"),  # length of that surface's bumps, 0 for none
@@ -203,10 +203,10 @@ TRANSFER = np.dtype(
 
 
 class InkField(NamedTuple):
-    """What kernels need to leave ink on vertices (cap: room for vertices, P: pigments)."""
+    """Arrays by which kernels leave ink on vertices (cap: capacity for vertices, P: pigments)."""
 
-    amounts: NDArray  # (cap, P) float32, full coats x share of the vertex's area that is covered
-    coverage: NDArray  # (cap,) float32, share of the vertex's area under paint, 0 to 1
+    amounts: NDArray  # (cap, P) float32, full coats x fraction of the vertex's area that is covered
+    coverage: NDArray  # (cap,) float32, fraction of the vertex's area under paint, 0 to 1
     dirty: NDArray  # (cap,) uint8, 1 where the colour is out of date
     dirty_ids: NDArray  # (cap + 1,) int32, those vertices; one more is written before it counts
     n_dirty: NDArray  # (1,) int64, how many
@@ -221,13 +221,13 @@ class InkField(NamedTuple):
 # --------------------------------------------------------------------------------------------------
 
 
-_DRY_AT = 0.8  # share of a full load below which a light brush on grain 1 begins to skip
+_DRY_AT = 0.8  # fraction of a full load below which a light brush on grain 1 begins to skip
 _DRY_PRESSED = 0.4  # less of it at full pressure
 FADING = 0.1  # k of equation (10a): the larger, the paler a brush writes on paper as it empties
 FILM = 0.35  # of equation (12a): pressure under which a way as long as the root is wide gives it
-FILM_SHARE = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
+FILM_FRACTION = 0.6  # of equation (12a): how much less a wet tuft gives on the way for its film
 _DRY_FILM = 0.5  # of that film, what a tuft leaves that hardly reaches the grain
-_FILM_MOST = 0.1  # share of what the tuft holds that goes into films in one sweep at most
+_FILM_MOST = 0.1  # fraction of what the tuft holds that goes into films in one sweep at most
 _TRACE = 0.025  # fraction of pigment in a liquid at which a count by it is halved
 _FED_MM = 1.0  # way on which it puts back all but 1 / e of what has run from under it
 _SATURATED = 0.9  # coats, h of equation (12b), at which paper takes half of what comes on the way
@@ -236,9 +236,9 @@ _POOLED = 0.25  # how much more the middle of a tuft's liquid gives than its rim
 _EVEN_MM_S, _LINGERS, _SLOWEST_MM_S = 60.0, 0.25, 4.0
 _LEAST_COVERED = 1.0 / 16.0  # of a vertex's area: what ink lies on counts as no less
 _LEAST_WIDTH = 1e-6  # mm, of a tuft whose liquid is looked for
-_NOTHING = 1e-6  # share of a film
+_NOTHING = 1e-6  # fraction of a film
 _MOST_PASSES = 1000
-_SHARE = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
+_FRACTION = 0.45  # of a reservoir, the most that flows out of it on one side in one pass
 PAINTED = 3  # counter: vertices that ink was left on
 _NOTED = 256  # vertices that are looked through together for such as have not been noted yet
 
@@ -281,7 +281,7 @@ def wetness(before, after, ink):
 
 @uncounted(error_model="numpy")
 def absorbency(ink):
-    """How far the material's pores draw ink: 0 on a glaze, 1 from a grain of .5 on."""
+    """Degree to which the material's pores draw ink: 0 on a glaze, 1 from a grain of .5 on."""
     return min(1.0, 2.0 * ink.transfer[0].grain)
 
 
@@ -315,13 +315,13 @@ def first_film(level, transfer_per_mm, root_mm, ink):
 
 @uncounted(error_model="numpy")
 def given_on_way(level):
-    """Share of what equation (10) gives that is left for the way, beside the first film."""
-    return 1.0 - FILM_SHARE * _film_kept(level)
+    """Fraction of what equation (10) gives that is left for the way, beside the first film."""
+    return 1.0 - FILM_FRACTION * _film_kept(level)
 
 
 @uncounted(error_model="numpy")
 def _film_kept(level):
-    """How much of a wet tuft's film one that runs dry leaves where it touches."""
+    """Fraction of a wet tuft's film that one that runs dry leaves where it touches."""
     return _DRY_FILM + (1.0 - _DRY_FILM) * level
 
 
@@ -341,7 +341,7 @@ def fetch_positions(found, n, field):
 
 @uncounted(error_model="numpy", apart=True)
 def _fetch_coats(runs, n_runs, ids, n, amounts, coats):
-    """Fill how much wet ink lies on vertices, of all pigments, coats times the covered share."""
+    """Fill how much wet ink lies on vertices, of all pigments, coats times the covered fraction."""
     if amounts.shape[1] == 1:
         fetch(runs, n_runs, ids, n, amounts.reshape(amounts.size), coats)
         return
@@ -423,8 +423,8 @@ def _find_heights(turn, stamp, found, n):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _take_less(n, take, coats, covered, heights, brings, draws, per_coat, share):
-    """Let wet paper take less: docs/model.md, equation (12b)."""
+def _take_less(n, take, coats, covered, heights, brings, draws, per_coat, fraction):
+    """Reduce what wet paper takes: docs/model.md, equation (12b)."""
     one, half, pooled = np.float32(1.0), np.float32(0.5), np.float32(_POOLED)
     least = np.float32(_LEAST_COVERED)
     for k in range(n):
@@ -434,12 +434,12 @@ def _take_less(n, take, coats, covered, heights, brings, draws, per_coat, share)
         wet2 = wet * wet
         wet4 = wet2 * wet2
         wet8 = wet4 * wet4
-        share[k] *= one - draws * wet8 / (one + wet8)
+        fraction[k] *= one - draws * wet8 / (one + wet8)
 
 
 @uncounted(error_model="numpy")
 def _saturate(after, sweep, found, n, ink):
-    """Let wet paper take less of what comes on the way: docs/model.md, equation (12b).
+    """Reduce what wet paper takes of what comes on the way: docs/model.md, equation (12b).
 
     So a stroke that crosses a wet one runs into it and does not lie on it like a film, and where
     the brush dwells no more comes than the sheet holds. Nothing changes on a glaze: False.
@@ -452,14 +452,14 @@ def _saturate(after, sweep, found, n, ink):
     _find_heights(sweep.to_after, after, found, n)
     _take_less(
         n, found.take, found.coats, found.covered, found.heights, found.brings, draws, per_coat,
-        found.share,
+        found.fraction,
     )  # fmt: skip
     return True
 
 
 @uncounted(error_model="numpy", apart=True)
 def _find_lacking(n, film, cover, take, covered, coats, lacks):
-    """Fill coats of a first film that vertices lack, times the area's share that is newly covered.
+    """Fill coats of a first film that vertices lack, times the newly covered fraction of area.
 
     `coats`, what lies on each, becomes what it falls short of the film where it was covered
     already. Returns whether any does.
@@ -478,7 +478,7 @@ def _add_short(n, film, fed, cover, take, covered, coats, begun, lacks):
     """Add what vertices fall short of a film, though they were covered already.
 
     Where the tuft comes it leaves its film, and of what has run from under it since it puts back
-    the share `fed`; `begun` is what it covered of each when the sweep began.
+    the fraction `fed`; `begun` is what it covered of each when the sweep began.
     """
     zero, part = np.float32(0.0), np.float32(fed)
     for k in range(n):
@@ -498,19 +498,19 @@ def _lay_first_film(coats, unit, before, after, found, n, field, ink, scratch):
     coats : float
         Of the film.
     unit : float
-        Coats that a share of 1 gets of what is given on the way; 0 where nothing is.
+        Coats that a fraction of 1 gets of what is given on the way; 0 where nothing is.
     before, after : Stamp
         What lies under the first has got its film.
     found : Found
-        The first `n` of it; their shares grow.
-    n, field, ink, scratch : as for `level_shares`
+        The first `n` of it; their fractions grow.
+    n, field, ink, scratch : as for `level_film`
 
     Returns
     -------
     float
         What it takes, coats x mm2; a small part of what the tuft holds at most.
     """
-    share, lacks = found.share, found.lacks
+    fraction, lacks = found.fraction, found.lacks
     film = np.float32(coats)
     if _find_lacking(n, film, found.cover, found.take, found.covered, found.coats, lacks):
         begun = found.heights
@@ -536,13 +536,13 @@ def _lay_first_film(coats, unit, before, after, found, n, field, ink, scratch):
     kept = np.float32(1.0 if goes_on else 0.0)
     per_coat = np.float32(min(1.0, most / lacking) / (unit if goes_on else 1.0))
     for k in range(n):
-        share[k] = kept * share[k] + per_coat * lacks[k]
+        fraction[k] = kept * fraction[k] + per_coat * lacks[k]
     return min(lacking, most)
 
 
 @uncounted(error_model="numpy")
 def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
-    """Let the surface take in what lands on the way and the first film; shares are changed.
+    """Take in what lands on the way and the first film; the weights of vertices are changed.
 
     Parameters
     ----------
@@ -552,7 +552,7 @@ def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
         Where the sweep begins and ends.
     landing, weighed : float
         Of what is given on the way, coats x mm2, and the area that it is shared by, mm2.
-    n, field, ink, scratch : as for `level_shares`
+    n, field, ink, scratch : as for `level_film`
 
     Returns
     -------
@@ -568,23 +568,23 @@ def take_in(coats, before, after, landing, weighed, n, field, ink, scratch):
     if ink.transfer[0].water >= 0:
         _count_drained(before, after, found, n, field, ink)
     if landing > 0.0 and _saturate(after, scratch.sweep[0], found, n, ink):
-        weighed = weighed_area(n, found.area, found.share, field.area_step)
+        weighed = weighed_area(n, found.area, found.fraction, field.area_step)
         rest = weighed / whole
     first = _lay_first_film(coats, landing / whole, before, after, found, n, field, ink, scratch)
     if first > 0.0:
-        weighed = weighed_area(n, found.area, found.share, field.area_step)
+        weighed = weighed_area(n, found.area, found.fraction, field.area_step)
     return rest, first, weighed
 
 
 @uncounted(error_model="numpy")
 def take_up_ink(before, after, released, found, n, field, ink, taken):
-    """Let the brush take wet ink from the vertices that it passes; fill `taken` (P,), coats x mm2.
+    """Take wet ink from the vertices that a brush passes; fill `taken` (P,), coats x mm2.
 
-    A share 1 - exp(-rate pe ds) of what is there, ds the way over the vertex (mm): any cutting of
-    the way takes the same. Never more than there is, nor than the brush has room for after it has
-    given `released`.
+    A fraction 1 - exp(-rate pe ds) of what is there, ds the way over the vertex (mm): any cutting
+    of the way takes the same. Never more than there is, nor than the brush has capacity for after
+    it has given `released`.
     """
-    ids, share, areas, unit = found.ids, found.share, field.area_units, field.area_unit
+    ids, fraction, areas, unit = found.ids, found.fraction, field.area_units, field.area_unit
     rate = ink.transfer[0].pickup * mean_pressure(before, after) * outline_motion(before, after)
     n_pigments = ink.load.shape[0]
     held = held_ink(ink)
@@ -593,7 +593,7 @@ def take_up_ink(before, after, released, found, n, field, ink, taken):
     within = 0.0
     for k in range(n):
         v = ids[k]
-        part = 1.0 - np.exp(-rate * min(1.0, np.float64(share[k])))
+        part = 1.0 - np.exp(-rate * min(1.0, np.float64(fraction[k])))
         here = 0.0
         for p in range(n_pigments):
             here += ink.amounts[v, p]
@@ -604,7 +604,7 @@ def take_up_ink(before, after, released, found, n, field, ink, taken):
     scale = min(1.0, capacity_left / within)
     for k in range(n):
         v = ids[k]
-        part = scale * (1.0 - np.exp(-rate * min(1.0, np.float64(share[k]))))
+        part = scale * (1.0 - np.exp(-rate * min(1.0, np.float64(fraction[k]))))
         for p in range(n_pigments):
             old = ink.amounts[v, p]
             new = np.float32(old * (1.0 - part))
@@ -625,8 +625,8 @@ def _ink_released(before, after, tuft, ink):
 
 
 @uncounted(error_model="numpy")
-def landing_share(area, width, weighed_area):
-    """Share of the released ink that meets surface; the rest runs off its edge.
+def landing_fraction(area, width, weighed_area):
+    """Fraction of the released ink that meets surface; the rest runs off its edge.
 
     The vertices stand for the area only to within a seam of half their spacing; a shortfall no
     larger than that is not a gap.
@@ -640,21 +640,21 @@ def landing_share(area, width, weighed_area):
 
 
 @uncounted(error_model="numpy")
-def add_ink(found, n, share, coats, amounts, p):
-    """Add so many coats, times its share, to what every vertex found has of pigment p."""
+def add_ink(found, n, fraction, coats, amounts, p):
+    """Add so many coats, times its fraction, to what every vertex found has of pigment p."""
     _add_coats(
-        found.runs, found.count[0], found.ids, n, share, coats, amounts.reshape(amounts.size),
+        found.runs, found.count[0], found.ids, n, fraction, coats, amounts.reshape(amounts.size),
         amounts.shape[1], p,
     )  # fmt: skip
 
 
 @uncounted(error_model="numpy", apart=True)
-def _add_coats(runs, n_runs, ids, n, share, coats, amounts, stride, p):
+def _add_coats(runs, n_runs, ids, n, fraction, coats, amounts, stride, p):
     """`add_ink` for arrays; the amounts of a pigment are `stride` apart."""
     at = 0
     for r in range(n_runs):
         first, many = runs[r, 0], runs[r, 1]
-        own, target = share[at : at + many], amounts[first * stride : (first + many) * stride]
+        own, target = fraction[at : at + many], amounts[first * stride : (first + many) * stride]
         if stride == 1:
             for k in range(many):
                 target[k] += coats * own[k]
@@ -663,16 +663,16 @@ def _add_coats(runs, n_runs, ids, n, share, coats, amounts, stride, p):
                 target[k * stride + p] += coats * own[k]
         at += many
     for k in range(at, n):
-        amounts[np.int64(ids[k]) * stride + p] += coats * share[k]
+        amounts[np.int64(ids[k]) * stride + p] += coats * fraction[k]
 
 
 @uncounted(error_model="numpy")
 def _leave_ink(found, n, part, ink):
-    """Add every vertex's share of each pigment, `part` (P,) of it, and note what is covered."""
+    """Add every vertex's fraction of each pigment, `part` (P,) of it, and note what is covered."""
     for p in range(part.shape[0]):
         coats = np.float32(part[p])
         if coats != 0.0:
-            add_ink(found, n, found.share, coats, ink.amounts, p)
+            add_ink(found, n, found.fraction, coats, ink.amounts, p)
     return note_covered(found, n, ink)
 
 
@@ -757,7 +757,7 @@ def _reservoir(before, after, field, v, reach, last):
 
 
 class Deposit(NamedTuple):
-    """What a brush gives on its way from one stamp to the next, coats x mm2."""
+    """Ink that a brush gives on its way from one stamp to the next, coats x mm2."""
 
     released: float  # what leaves it
     landing: float  # what of that lands on vertices; the rest runs off the surface's edge
@@ -775,14 +775,14 @@ def leave_from_reservoirs(before, after, deposit, found, n, field, ink, taken):
     count, n_pigments = reservoirs.shape
     last = count - 1
     reach = ink.transfer[0].reservoir_mm
-    ids, share, areas, unit = found.ids, found.share, field.area_units, field.area_unit
+    ids, fraction, areas, unit = found.ids, found.fraction, field.area_units, field.area_unit
     amounts = ink.amounts
     demand = np.zeros(count)
     for k in range(n):
         v = ids[k]
         at = _reservoir(before, after, field, v, reach, last)
         i = min(np.int64(at), last - 1)
-        part = share[k] * areas[v] * unit
+        part = fraction[k] * areas[v] * unit
         demand[i] += part * (1.0 - (at - i))
         demand[i + 1] += part * (at - i)
     total = demand.sum()
@@ -809,7 +809,7 @@ def leave_from_reservoirs(before, after, deposit, found, n, field, ink, taken):
         t = at - i
         for p in range(n_pigments):
             amounts[v, p] += np.float32(
-                share[k] * ((1.0 - t) * density[i, p] + t * density[i + 1, p])
+                fraction[k] * ((1.0 - t) * density[i, p] + t * density[i + 1, p])
             )
     for i in range(count):
         for p in range(n_pigments):
@@ -821,7 +821,7 @@ def leave_from_reservoirs(before, after, deposit, found, n, field, ink, taken):
 
 @kernel(error_model="numpy")
 def level_reservoirs(reservoirs):
-    """Let liquid run along the tuft until all reservoirs (N, P) are filled alike."""
+    """Level the liquid along the tuft until all reservoirs (N, P) are filled alike."""
     count, n_pigments = reservoirs.shape
     held = np.empty(count)
     passing = np.empty(count - 1)  # from reservoir i + 1 to reservoir i
@@ -834,7 +834,7 @@ def level_reservoirs(reservoirs):
         for i in range(count - 1):
             towards_tip += mean - held[i]
             source = i + 1 if towards_tip > 0.0 else i
-            most = _SHARE * held[source]
+            most = _FRACTION * held[source]
             passing[i] = min(max(towards_tip, -most), most)
             held_back = held_back or abs(towards_tip) > most
         old = reservoirs.copy()
@@ -866,7 +866,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if n < 0:
         return False
     fetch_found(found, n, field.area, found.area)
-    weighed = weighed_area(n, found.area, found.share, field.area_step)
+    weighed = weighed_area(n, found.area, found.fraction, field.area_step)
     a = before.values[0]
     b = after.values[0]
     area = 0.5 * (a.area + b.area)
@@ -876,7 +876,7 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if area < width * width and weighed <= 0.0:
         released = 0.0  # a touch finer than the vertices leaves nothing yet
     released *= given_on_way(level)
-    landing = released * landing_share(area, width, weighed)
+    landing = released * landing_fraction(area, width, weighed)
     bundles = (tuft.diameters[-1], BUNDLE_MM, 1.0, 0.0)
     contact = dry_contact(level, find_way(before, after)[0], after, bundles, field, ink)
     if level < 1.0 or absorbency(ink) > 0.0:
@@ -887,14 +887,14 @@ def sweep_deposit(before, after, tuft, field, ink, scratch):
     if level < 1.0 and weighed > 0.0:  # a brush that runs dry gives less, and only to the heights
         thin_contact(contact, after, found, n, ink, scratch.block)
         whole = weighed
-        weighed = weighed_area(n, found.area, found.share, field.area_step)
+        weighed = weighed_area(n, found.area, found.fraction, field.area_step)
         released *= weighed / whole
         landing *= weighed / whole
     if weighed <= 0.0:
         landing = 0.0
     scratch.part[:] = 0.0
-    if level_shares(before, after, wet, contact, field, ink, n, scratch):
-        weighed = weighed_area(n, found.area, found.share, field.area_step)
+    if level_film(before, after, wet, contact, field, ink, n, scratch):
+        weighed = weighed_area(n, found.area, found.fraction, field.area_step)
     if weighed > 0.0:
         coats = first_film(level, tuft.transfer_per_mm, tuft.diameters[-1], ink)
         rest, first, weighed = take_in(

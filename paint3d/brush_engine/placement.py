@@ -16,28 +16,25 @@ from __future__ import annotations
 
 import numpy as np
 
+from paint3d.brush_engine.drag import (
+    bent_by_twist,
+    drag_length,
+    drag_step,
+    drag_way,
+    lie_held,
+    release,
+    smooth_step,
+    trail_step,
+    twist_step,
+)
 from paint3d.brush_engine.footprint import (
     PROFILE_CELLS,
     fill_profile,
     hold_point,
     keep_profile,
 )
-from paint3d.brush_engine.tuft import (
-    bent_by_twist,
-    drag_length,
-    drag_step,
-    drag_way,
-    enclose_tuft,
-    gather_outline,
-    greatest_descent,
-    lie_held,
-    release,
-    round_tip,
-    smooth_step,
-    trace_outline,
-    trail_step,
-    twist_step,
-)
+from paint3d.brush_engine.outline import gather_outline, round_tip, trace_outline
+from paint3d.brush_engine.tuft import enclose_tuft, greatest_descent
 from paint3d.core.kernel import uncounted
 from paint3d.core.quaternion import compiled_x_axis, compiled_y_axis, compiled_z_axis
 from paint3d.mesh.kernels.bvh import find_foot, find_meant
@@ -76,7 +73,8 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
     the place on the surface that the hand means; else 0, and it is the root's. `before` is the
     stamp the brush comes from; it carries the dragged point. It may be `after`.
     """
-    last, values, up = before.values[0], after.values[0], _up_of(pose)
+    last, values = before.values[0], after.values[0]
+    up = compiled_z_axis((pose[3], pose[4], pose[5], pose[6]))  # up the handle
     was_touching = last.touches > 0.0
     for axis in range(3):
         scratch.vector[axis] = last.foot[axis]
@@ -99,7 +97,8 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
     _press(pose, up, values, tuft)
     if values.descent <= 0.0:
         _flatten(values, _straight_reach(values, tuft))
-        _keep_drag(values, scratch.drag)
+        for axis in range(3):
+            values.drag[axis] = scratch.drag[axis]
         return
     if dragged:
         _bend_along_drag(values, descent if was_touching else -1.0, tuft, scratch)
@@ -126,9 +125,9 @@ def place_stamp(pose, dragged, before, after, tuft, tree, field, scratch):
 
 @uncounted
 def _part_hairs(foot):
-    """Where along the noise of the bundles a tuft comes down, mm: each press parts hairs anew.
+    """Position on the bundles' noise at which a tuft comes down, mm: a press parts hairs anew.
 
-    By folds of the place, which have the same bits on every machine.
+    By folds of the position, which have the same bits on every machine.
     """
     total = 0.0
     for x, y, z in _PARTS:
@@ -137,15 +136,9 @@ def _part_hairs(foot):
     return _PARTS_MM * total
 
 
-@uncounted
-def _up_of(pose):
-    """Up the handle: the pen's z axis."""
-    return compiled_z_axis((pose[3], pose[4], pose[5], pose[6]))
-
-
 @uncounted(forceinline=True)
 def _find_place(pose, up, tuft, tree, values, scratch):
-    """Let a stamp stand where its foot or the place that the hand means is; False: nowhere."""
+    """Stand a stamp on the root's foot point, or the point that the hand means; False: nowhere."""
     foot, reach, place = scratch.foot, REACH * tuft.length, (pose[0], pose[1], pose[2])
     if values.centred > 0.0:
         triangle = find_meant(tree, place, up, reach, foot)
@@ -267,7 +260,7 @@ def _turn_about_heel(values, x, y):
 
 @uncounted
 def _bent_by_drag(values, tuft):
-    """How far a dragged tuft lies in its bend: as far as the paper has pulled its tip aside."""
+    """Degree to which a dragged tuft lies in its bend: as far as the paper has pulled its tip."""
     slack = drag_length(values.descent, tuft.length, tuft.drag_fraction)
     dragged2 = 0.0
     for axis in range(3):
@@ -291,7 +284,7 @@ def _twist(values, last_bend, twist, was_touching, tuft, scratch):
 
 @uncounted
 def _straight_reach(values, tuft):
-    """Where the straight tip would be, along the bend from where the stamp stands, mm."""
+    """Reach of the straight tip along the bend from where the stamp stands, mm."""
     return 0.0 if values.centred > 0.0 else tuft.length * np.cos(values.tilt)
 
 
@@ -327,7 +320,7 @@ def _trace(values, tuft, scratch):
 
 @uncounted
 def _trace_extent(values, tuft, scratch):
-    """How far along the bend the outline's middle lies from P'_m, and half its longer side, mm.
+    """Reach of the outline's middle from P'_m along the bend, and half its longer side, mm.
 
     Both are 0 where nothing touches.
     """
@@ -348,12 +341,6 @@ def _flatten(values, reach):
     values.widest_at = reach
     values.widest = 0.0
     values.area = 0.0
-
-
-@uncounted
-def _keep_drag(values, drag):
-    for axis in range(3):
-        values.drag[axis] = drag[axis]
 
 
 @uncounted
@@ -547,7 +534,7 @@ def _lean(values, up):
 
 @uncounted
 def _hold_outline(values):
-    """Let the enclosing sphere, made before the plane leaned, hold the outline that came of it."""
+    """Enlarge the enclosing sphere, made before the plane leaned, to hold the outline."""
     for along, across in (
         (values.tip, 0.0),
         (values.heel, 0.0),
@@ -616,7 +603,7 @@ def _flood(values, field, patch):
 
 @uncounted
 def _lean_plane_under(values, extent, field, scratch):
-    """Let the plane be that of the surface under a footprint around the place that is meant.
+    """Lean the plane to the surface under a footprint around the point that is meant.
 
     The enclosing sphere is that of the whole tuft, many times as wide. What it holds of a wall or
     of the far side of a crease, which the footprint does not touch, would lean the plane so far

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from paint3d.brush_engine.coverage import Chords, make_chords
 from paint3d.brush_engine.footprint import SWEEP
 from paint3d.brush_engine.ink_transfer import LINES
-from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
 from paint3d.mesh.kernels.mesh_arrays import Patch, make_patch
 from paint3d.mesh.refined_mesh import PaintMesh
@@ -23,7 +23,7 @@ ROWS = 7  # of numbers of a block's vertices
 
 
 class Query(NamedTuple):
-    """What of a surface a sweep may reach, and how far it has been looked through."""
+    """State of the search for what of a surface a sweep may reach."""
 
     tick: NDArray  # (1,) int64, sweeps gathered so far
     cell_ticks: NDArray  # (cells,) int64, tick at which a cell was last found
@@ -57,16 +57,16 @@ class Found(NamedTuple):
     ids: NDArray  # (cap + 1,) int32
     ahead: NDArray  # (cap + 1,) float32, where they lie along the sweep's way, mm
     aside: NDArray  # (cap + 1,) float32, and across it
-    share: NDArray  # (cap + 1,) float32, of the ink: time-mean share covered, times the stretch
-    cover: NDArray  # (cap + 1,) float32, greatest share covered, 0 to 1
+    fraction: NDArray  # (cap + 1,) float32, of the ink: time-mean coverage times the stretch
+    cover: NDArray  # (cap + 1,) float32, greatest fraction covered, 0 to 1
     lanes: NDArray  # (cap + 1,) int16, of the hairs' map; a solid tuft has none
-    under: NDArray  # (cap + 1,) float32, share that hairs cover there; a solid tuft has none
+    under: NDArray  # (cap + 1,) float32, fraction that hairs cover there; a solid tuft has none
     area: NDArray  # (cap + 1,) float32, that the vertex stands for, mm2
-    take: NDArray  # (cap + 1,) float32, times its share of the ink that it takes
+    take: NDArray  # (cap + 1,) float32, factor on the ink that it takes
     px: NDArray  # (cap + 1,) float32, where it is, mm
     py: NDArray
     pz: NDArray
-    covered: NDArray  # (cap + 1,) float32, share of its area that was covered already
+    covered: NDArray  # (cap + 1,) float32, fraction of its area that was covered already
     coats: NDArray  # (cap + 1,) float32, wet ink that lies there
     heights: NDArray  # (cap + 1,) float32, of the tuft's liquid over it
     lacks: NDArray  # (cap + 1,) float32, coats of a first film that it lacks

@@ -139,12 +139,12 @@ def solve_bending(lengths, stiffness, tilt, height, multiplier, angles):
 
 
 @kernel
-def _draw_together(middles, shape, share, tilt, out):
-    """A shape drawn together towards the tip by a share below 1; straight beyond its end."""
+def _draw_together(middles, shape, fraction, tilt, out):
+    """A shape drawn together towards the tip by a fraction below 1; straight beyond its end."""
     m = middles.shape[0]
     k = 0
     for j in range(m):
-        at = middles[j] / share
+        at = middles[j] / fraction
         while k < m - 2 and middles[k + 1] < at:
             k += 1
         part = (at - middles[k]) / (middles[k + 1] - middles[k])
@@ -194,9 +194,9 @@ def tabulate_bending(arcs, stiffness, exponent, tilts, fractions, out_angles):
                     lying = min(1.0, middles[j] / (_LYING * tallest * fractions[k]))
                     guess[j] = tilt * lying * lying
             else:
-                share = fractions[k] / fractions[k + 1]
-                _draw_together(middles, out_angles[i, k + 1], share, tilt, guess)
-                multiplier *= share ** (exponent - 2.0)
+                fraction = fractions[k] / fractions[k + 1]
+                _draw_together(middles, out_angles[i, k + 1], fraction, tilt, guess)
+                multiplier *= fraction ** (exponent - 2.0)
             height = tallest * (1.0 - fractions[k])
             multiplier = solve_bending(lengths, stiffness, tilt, height, multiplier, guess)
             out_angles[i, k] = guess

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from paint3d.brush_engine.drag import drag_length
 from paint3d.brush_engine.footprint import PROFILE_CELLS, Stamp, make_stamp, outline_motion
 from paint3d.brush_engine.ink_transfer import InkField, sweep_deposit
 from paint3d.brush_engine.placement import place_stamp
@@ -36,7 +37,6 @@ from paint3d.brush_engine.tuft import (
     WETNESS,
     Curves,
     Tuft,
-    drag_length,
 )
 from paint3d.core.kernel import kernel, uncounted
 from paint3d.mesh.kernels.bvh import ContactTree
@@ -69,7 +69,7 @@ FINISHED = 0
 NEEDS_ROOM = 1
 
 _FINEST_STEP = 0.35  # of the paint's resolution: the shortest sweep, and how near samples count
-_STEP_SHARE = 0.25  # of the footprint's smaller extent: the longest sweep
+_STEP_FRACTION = 0.25  # of the footprint's smaller extent: the longest sweep
 _BOW = 0.025  # of the paint's resolution: how far a sweep's chord may leave the path
 _BENT = 1.5  # of it: how far an outline may turn and grow in a sweep
 _MOST_STEPS = 4096  # sweeps between two samples
@@ -97,7 +97,7 @@ class HeldBrush(NamedTuple):
 
 
 class Canvas(NamedTuple):
-    """What is painted on."""
+    """Surface that is painted on, as kernels see it."""
 
     tree: ContactTree
     field: SurfaceField
@@ -105,7 +105,7 @@ class Canvas(NamedTuple):
 
 
 class Progress(NamedTuple):
-    """Where the stroke stands; filled in place, so that painting can be taken up again."""
+    """Progress of the stroke, filled in place, so that painting can be taken up again."""
 
     at: NDArray  # (3,) int64: interval, next sweep in it, sweeps in it
     before: Stamp
@@ -185,20 +185,15 @@ def next_interval(samples, last, tuft, resolution, progress, counters):
 def end_interval(samples, progress):
     """Go on to the next interval; `progress.before` stands at its first sample."""
     at = progress.at
-    _note_pose(samples, at[0] + 1, progress.noted)
+    end, noted = at[0] + 1, progress.noted  # the sample where the last stamp stands
+    for axis in range(3):
+        noted[axis] = samples.position[end, axis]
+    for k in range(4):
+        noted[3 + k] = samples.orientation[end, k]
+    noted[7] = samples.pressure[end]
     at[0] += 1
     at[1] = 0
     at[2] = 0
-
-
-@uncounted
-def _note_pose(samples, i, noted):
-    """Remember sample i as the one where the last stamp stands."""
-    for axis in range(3):
-        noted[axis] = samples.position[i, axis]
-    for k in range(4):
-        noted[3 + k] = samples.orientation[i, k]
-    noted[7] = samples.pressure[i]
 
 
 @uncounted
@@ -287,7 +282,7 @@ def curve_at(points, count, x):
 
 @uncounted
 def _velocity(t, mean, first, last):
-    """Slope of the cubic between two samples at the share t of the way."""
+    """Slope of the cubic between two samples at the fraction t of the way."""
     return (
         6.0 * (t - t * t) * mean
         + (1.0 - 4.0 * t + 3.0 * t * t) * first
@@ -297,7 +292,7 @@ def _velocity(t, mean, first, last):
 
 @uncounted
 def read_inputs(samples, i, t, pose, before, tuft, ink, inputs):
-    """Fill the inputs (N_INPUTS,) at the share t of the way from sample i to the next.
+    """Fill the inputs (N_INPUTS,) at the fraction t of the way from sample i to the next.
 
     Pressure 0 to 1 (the last stamp's where the device has none), tilt to the surface at the last
     stamp (degrees), speed along the surface (mm/s), ink left of a full load, and how sharply the
@@ -308,22 +303,22 @@ def read_inputs(samples, i, t, pose, before, tuft, ink, inputs):
     inputs[TILT] = np.degrees(tilt) if tilt > 0.0 else 90.0
     h = samples.time[i + 1] - samples.time[i]
     normal = before.values[0].foot_normal
-    lift = lift_a = lift_b = lift_step = 0.0  # only what is along the surface counts
+    normal_speed = normal_a = normal_b = normal_step = 0.0  # only what is along the surface counts
     for axis in range(3):
         step = samples.position[i + 1, axis] - samples.position[i, axis]
         a, b = samples.velocity[i, axis], samples.velocity[i + 1, axis]
-        lift += normal[axis] * _velocity(t, step / h, a, b)
-        lift_a += normal[axis] * a
-        lift_b += normal[axis] * b
-        lift_step += normal[axis] * step
+        normal_speed += normal[axis] * _velocity(t, step / h, a, b)
+        normal_a += normal[axis] * a
+        normal_b += normal[axis] * b
+        normal_step += normal[axis] * step
     speed2 = a2 = b2 = dot = chord2 = 0.0
     for axis in range(3):
         step = samples.position[i + 1, axis] - samples.position[i, axis]
         a, b = samples.velocity[i, axis], samples.velocity[i + 1, axis]
-        speed2 += (_velocity(t, step / h, a, b) - lift * normal[axis]) ** 2
-        chord2 += (step - lift_step * normal[axis]) ** 2
-        a -= lift_a * normal[axis]
-        b -= lift_b * normal[axis]
+        speed2 += (_velocity(t, step / h, a, b) - normal_speed * normal[axis]) ** 2
+        chord2 += (step - normal_step * normal[axis]) ** 2
+        a -= normal_a * normal[axis]
+        b -= normal_b * normal[axis]
         a2 += a * a
         b2 += b * b
         dot += a * b
@@ -384,7 +379,7 @@ def drive(samples, i, t, pose, before, tuft, ink, curves):
 
 @uncounted
 def copy_stamp(source, target):
-    """Let a stamp be as another is."""
+    """Copy a stamp into another."""
     target.values[0] = source.values[0]
     for k in range(PROFILE_CELLS + 2):
         target.half_widths[k] = source.half_widths[k]
@@ -394,27 +389,27 @@ def copy_stamp(source, target):
 
 
 @uncounted
-def place_at(samples, i, share, brush, canvas, before, after, scratch):
-    """Place a footprint at a share of the way from sample i to the next; the tuft as driven there.
+def place_at(samples, i, fraction, brush, canvas, before, after, scratch):
+    """Place a footprint at a fraction of the way from sample i to the next; return the driven tuft.
 
     `before` is the stamp that the brush comes from, and may be `after`, which is filled.
     """
     pose = scratch.pose
-    _interpolate(samples, i, share, pose)
-    tuft = drive(samples, i, share, pose, before, brush.tuft, canvas.ink, brush.curves)
+    _interpolate(samples, i, fraction, pose)
+    tuft = drive(samples, i, fraction, pose, before, brush.tuft, canvas.ink, brush.curves)
     place_stamp(pose, brush.dragged, before, after, tuft, canvas.tree, canvas.field, scratch)
     speed2 = 0.0
     for axis in range(3):
         a, b = samples.velocity[i, axis], samples.velocity[i + 1, axis]
-        speed2 += (a + share * (b - a)) ** 2
+        speed2 += (a + fraction * (b - a)) ** 2
     after.values[0].speed = np.sqrt(speed2)
-    after.values[0].time = samples.time[i] + share * (samples.time[i + 1] - samples.time[i])
+    after.values[0].time = samples.time[i] + fraction * (samples.time[i + 1] - samples.time[i])
     return tuft
 
 
 @uncounted
 def _bow(samples, i, pose):
-    """How far the path leaves its chord half-way between samples i and i + 1 (mm)."""
+    """Distance of the path from its chord half-way between samples i and i + 1 (mm)."""
     _interpolate(samples, i, 0.5, pose)
     d2 = 0.0
     for axis in range(3):
@@ -425,7 +420,7 @@ def _bow(samples, i, pose):
 
 @uncounted
 def _sweeps(before, after, bow, dragged, tuft, resolution):
-    """How many sweeps the way between two stamps is cut into."""
+    """Number of sweeps into which the way between two stamps is cut."""
     a = before.values[0]
     b = after.values[0]
     extent = 1e30
@@ -434,7 +429,7 @@ def _sweeps(before, after, bow, dragged, tuft, resolution):
             extent = min(extent, values.tip - values.heel, 2.0 * values.widest)
         else:
             extent = 0.0
-    step = max(_FINEST_STEP * resolution, _STEP_SHARE * extent)
+    step = max(_FINEST_STEP * resolution, _STEP_FRACTION * extent)
     n = max(outline_motion(before, after) / step, np.sqrt(bow / (_BOW * resolution)))
     if a.touches > 0.0 and b.touches > 0.0:
         n = max(n, _bent(a, b) / (_BENT * resolution))
@@ -462,7 +457,7 @@ def _bent(a, b):
 
 @uncounted
 def foot_motion(a, b):
-    """How far the foot point moved between the geometries of two stamps, mm."""
+    """Distance that the foot point moved between the geometries of two stamps, mm."""
     d2 = 0.0
     for axis in range(3):
         d2 += (b.foot[axis] - a.foot[axis]) ** 2
@@ -514,8 +509,8 @@ def paint_samples(samples, last, brush, canvas, progress, scratch):
         tuft = drive(samples, i, 1.0, pose, before, brush.tuft, ink, brush.curves)
         while at[1] <= at[2]:
             if at[2] > 1:  # a single sweep ends where the sample is: placed above
-                share = at[1] / at[2]
-                tuft = place_at(samples, i, share, brush, canvas, before, after, scratch)
+                fraction = at[1] / at[2]
+                tuft = place_at(samples, i, fraction, brush, canvas, before, after, scratch)
             if after.values[0].touches > 0.0 or before.values[0].touches > 0.0:
                 if not sweep_deposit(before, after, tuft, field, ink, scratch):
                     return NEEDS_ROOM

@@ -46,7 +46,7 @@ CURSOR_SIZE = 4
 
 @uncounted(error_model="numpy", apart=True)
 def _judge_discs(n, discs, sweep, bands, fates):
-    """Where each disc lies to a sweep: under the footprint all the way, never, or on an EDGE.
+    """Classify discs by a sweep: under the footprint all the way, never, or on an EDGE.
 
     Parameters
     ----------
@@ -226,7 +226,7 @@ def _add_run(runs, n, first, end, fate):
 
 
 class _Vertices(NamedTuple):
-    """Where outlines meet N vertices, which way they face, what they take: float32 arrays (N,)."""
+    """Positions, unit normals and uptake of N vertices: float32 arrays (N,)."""
 
     px: NDArray  # mm
     py: NDArray
@@ -234,13 +234,7 @@ class _Vertices(NamedTuple):
     nx: NDArray  # of the unit normal
     ny: NDArray
     nz: NDArray
-    take: NDArray  # times its share of the ink that it takes
-
-
-@uncounted
-def _vertices_of(field):
-    """The vertices of a `SurfaceField`."""
-    return _Vertices(field.mx, field.my, field.mz, field.nx, field.ny, field.nz, field.take)
+    take: NDArray  # times its fraction of the ink that it takes
 
 
 @uncounted
@@ -312,15 +306,15 @@ def _project_run(vertices, first, n, sweep, xs, ys, stretch):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _cover_whole(n, xs, share, cover):
+def _cover_whole(n, xs, fraction, cover):
     """Cover vertices that lie well inside the outline all the way, but those that were sent off.
 
-    `share` holds their stretch.
+    `fraction` holds their stretch.
     """
     zero, one, far = np.float32(0.0), np.float32(1.0), np.float32(0.5 * _AWAY)
     for k in range(n):
         here = one if xs[k] < far else zero
-        share[k] *= here
+        fraction[k] *= here
         cover[k] = here
 
 
@@ -386,21 +380,22 @@ def find_vertices(before, after, field, scratch):
     Returns
     -------
     int
-        How many were found, some of which have no share; -1 where the mesh needs room to grow.
+        How many were found, some of which have no fraction; -1 where the mesh needs room to grow.
     """
     n_runs, n_cells = _find_candidates(before, after, field, scratch)
     if n_cells < 0:
         return -1
     runs, sweep, found, block = scratch.query.runs, scratch.sweep[0], scratch.found, scratch.block
     chords = scratch.chords
-    vertices, at = _vertices_of(field), 0
+    vertices = _Vertices(field.mx, field.my, field.mz, field.nx, field.ny, field.nz, field.take)
+    at = 0
     found.count[0] = 0
     for r in range(n_runs):
         first, n = runs[r, 0], runs[r, 1] - runs[r, 0]
         if runs[r, 2] == _INSIDE:
-            xs, share = found.ahead[at : at + n], found.share[at : at + n]
-            _project_run(vertices, first, n, sweep, xs, found.aside[at : at + n], share)
-            _cover_whole(n, xs, share, found.cover[at : at + n])
+            xs, fraction = found.ahead[at : at + n], found.fraction[at : at + n]
+            _project_run(vertices, first, n, sweep, xs, found.aside[at : at + n], fraction)
+            _cover_whole(n, xs, fraction, found.cover[at : at + n])
             at = _note_run(first, n, found, at)
     while True:
         n = _next_block(n_runs, n_cells, at, vertices, field, scratch)
@@ -408,10 +403,10 @@ def find_vertices(before, after, field, scratch):
             scratch.counters[VISITED] += at
             return at
         xs, ys = found.ahead[at : at + n], found.aside[at : at + n]
-        share, cover = found.share[at : at + n], found.cover[at : at + n]
+        fraction, cover = found.fraction[at : at + n], found.cover[at : at + n]
         weigh(
             n, sweep.scale, chords.flanks, chords.grids, chords.lines[0], chords.lines[1], xs, ys,
-            block.stretch, share, cover,
+            block.stretch, fraction, cover,
         )  # fmt: skip
         at += n
 

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import tuft_on
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.spec import BrushSpec, DipAmount
-from paint3d.brush_engine.ink_transfer import FADING, FILM, FILM_SHARE
+from paint3d.brush_engine.ink_transfer import FADING, FILM, FILM_FRACTION
 from paint3d.colour.materials import Material
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import rotate
@@ -176,7 +176,7 @@ def ink_taken(recording: Recording, brush: BrushSpec, material: Material) -> NDA
     known = np.linspace(0.0, 1.0, 33)
     prints = (make_footprint(tuft, p * brush.full_press_mm, 0.5 * math.pi, pe=p) for p in known)
     width = np.interp(mean, known, [footprint.width for footprint in prints])
-    per_mm = (1.0 - FILM_SHARE) * mean + FILM * width / brush.root_diameter_mm
+    per_mm = (1.0 - FILM_FRACTION) * mean + FILM * width / brush.root_diameter_mm
     taken[1:] = np.where(touches, tuft.transfer_per_mm * per_mm * steps, 0.0)
     return taken
 

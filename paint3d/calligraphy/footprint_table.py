@@ -8,14 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.tuft import (
-    OUTLINE_CAPACITY,
-    SCRATCH_SIZE,
-    Tuft,
-    drag_length,
-    round_tip,
-    trace_outline,
-)
+from paint3d.brush_engine.drag import drag_length
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE, round_tip, trace_outline
+from paint3d.brush_engine.tuft import Tuft
 from paint3d.core.arrays import AnyArray
 from paint3d.errors import InputError
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d, minimum_filter1d
 
-from paint3d.brush_engine.tuft import drag_along, hold_along
+from paint3d.brush_engine.drag import drag_along, hold_along
 from paint3d.calligraphy.footprint_table import FootprintTable
 from paint3d.calligraphy.kernels import planning as kernels
 from paint3d.core.arrays import AnyArray

@@ -25,7 +25,8 @@ from paint3d.brush.footprint import (
     make_footprint,
 )
 from paint3d.brush.spec import BrushSpec
-from paint3d.brush_engine.tuft import bent_by_twist, drag_length, gather_outline, twist_step
+from paint3d.brush_engine.drag import bent_by_twist, drag_length, twist_step
+from paint3d.brush_engine.outline import gather_outline
 from paint3d.core.arrays import AnyArray
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.device.recorded import Recording

@@ -42,7 +42,7 @@ from paint3d.cli.painting import (
     paint_onto,
     take_layer,
 )
-from paint3d.cli.results import Painting, finish, result_suffixes, say_if_over
+from paint3d.cli.results import PaintingResult, finish, result_suffixes, say_if_over
 from paint3d.cli.sources import check_source
 from paint3d.errors import InputError, Paint3DError
 
@@ -132,7 +132,9 @@ def run(options: argparse.Namespace) -> None:
         except Paint3DError as cause:
             raise InputError("{name}: {cause}", name=name, cause=cause) from None
     painted = document.painter.report()
-    painting = Painting(document.surface, {**painted, "pieces": counts}, seconds, document=document)
+    painting = PaintingResult(
+        document.surface, {**painted, "pieces": counts}, seconds, document=document
+    )
     finish(painting, options)
     if not options.quiet:
         n = len(pieces)

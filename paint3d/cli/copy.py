@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from paint3d.calligraphy.glyphs import Glyph
     from paint3d.calligraphy.photo.copying import Asked, CopiedSheet
     from paint3d.calligraphy.writing import Written
-    from paint3d.cli.results import Painting
+    from paint3d.cli.results import PaintingResult
 
 __all__ = ["EXAMPLES", "add_arguments", "run", "show_beside"]
 
@@ -214,7 +214,7 @@ _GAP = 24  # pixels between the two pictures
 
 
 def show_beside(
-    sheet: CopiedSheet, written: Written, painting: Painting, options: argparse.Namespace
+    sheet: CopiedSheet, written: Written, painting: PaintingResult, options: argparse.Namespace
 ) -> None:
     """Write the sheet and the painting side by side, and print their likeness.
 

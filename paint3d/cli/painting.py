@@ -31,7 +31,7 @@ from paint3d.cli.options import (
     parse_share,
 )
 from paint3d.cli.progress import ProgressBar, say_if_compiling
-from paint3d.cli.results import Painting, timed
+from paint3d.cli.results import PaintingResult, timed
 from paint3d.errors import InputError, RecordingError
 from paint3d.mesh.sheets import is_sheet, parse_sheet
 
@@ -380,7 +380,7 @@ def paint(
     seconds: dict[str, float],
     watch: Watch | None = None,
     table: StrokeTable | None = None,
-) -> Painting:
+) -> PaintingResult:
     """Paint a recording on a surface of `prepare`, showing a progress bar on a terminal.
 
     A `watch` sees how it grows, for a film; a `table` takes a row for every stroke.
@@ -421,7 +421,7 @@ def paint(
                 painter.rest(int(recording.time_ns[-1]), rest_s, report)
         counts = painter.report()
     settings = _hand_settings(painter, brush, ink, tip)
-    return Painting(surface, counts, seconds, (recording,), settings)
+    return PaintingResult(surface, counts, seconds, (recording,), settings)
 
 
 def _hand_settings(
@@ -562,7 +562,7 @@ def paint_onto(
     wanted: PaintingOptions,
     seconds: dict[str, float],
     watch: Watch | None = None,
-) -> Painting:
+) -> PaintingResult:
     """Paint a recording on a painting, as a step that can be undone; see `paint`.
 
     Where its pen is turned over, a step ends and one that erases, or paints again, begins.
@@ -629,7 +629,7 @@ def paint_onto(
         over = fraction_over(document, before)  # before the report, which updates colours
         counts = document.painter.report()
     counts["over_paint"] = round(over, 4)
-    return Painting(document.surface, counts, seconds, document=document)
+    return PaintingResult(document.surface, counts, seconds, document=document)
 
 
 def _within(pairs: Sequence[tuple[int, float]], first: int, last: int) -> list[tuple[int, float]]:

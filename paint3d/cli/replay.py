@@ -40,7 +40,7 @@ from paint3d.cli.painting import (
 )
 from paint3d.cli.progress import ProgressBar, say_if_compiling
 from paint3d.cli.results import (
-    Painting,
+    PaintingResult,
     add_layer_option,
     finish,
     refuse_untouched,
@@ -280,7 +280,7 @@ def _replay_score(options: argparse.Namespace, film: FilmWanted | None = None) -
 
 def _paint(
     score: Score, options: argparse.Namespace, film: FilmWanted | None
-) -> tuple[Document, Painting, Watch | None]:
+) -> tuple[Document, PaintingResult, Watch | None]:
     from paint3d.app.model.score.playing import begun, play
     from paint3d.app.model.score.stepping import seconds_of
     from paint3d.colour.materials import load_material
@@ -302,7 +302,7 @@ def _paint(
         if document.in_stroke:
             document.end_stroke()
         counts = document.painter.report()
-    return document, Painting(document.surface, counts, seconds, document=document), watch
+    return document, PaintingResult(document.surface, counts, seconds, document=document), watch
 
 
 def _watched(document: Document, score: Score, watch: Watch) -> Iterator[PlaybackStep]:

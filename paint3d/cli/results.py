@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = [
-    "Painting",
+    "PaintingResult",
     "add_layer_option",
     "add_painting_argument",
     "brush_of",
@@ -60,7 +60,7 @@ _MUCH_OVER = 0.02  # of the area painted: less only touches
 
 
 @dataclass(frozen=True)
-class Painting:
+class PaintingResult:
     """A painted surface, its counts and recordings, and the seconds of each step.
 
     With a `document` it is that one's painting, which has a history of its own.
@@ -111,7 +111,7 @@ def result_suffixes() -> tuple[str, ...]:
     return EXPORT_SUFFIXES
 
 
-def write_result(painting: Painting, file: Path, *, quiet: bool = False) -> None:
+def write_result(painting: PaintingResult, file: Path, *, quiet: bool = False) -> None:
     """Write a painting in the format of the file's suffix, showing progress.
 
     Raises
@@ -132,7 +132,7 @@ def write_result(painting: Painting, file: Path, *, quiet: bool = False) -> None
             export(painting.surface, file, progress=progress)
 
 
-def write_results(painting: Painting, files: Iterable[Path], *, quiet: bool = False) -> None:
+def write_results(painting: PaintingResult, files: Iterable[Path], *, quiet: bool = False) -> None:
     """Write a painting in several formats, prepared once.
 
     Raises
@@ -172,7 +172,9 @@ class _Film(Protocol):
         ...
 
 
-def finish(painting: Painting, options: argparse.Namespace, film: _Film | None = None) -> None:
+def finish(
+    painting: PaintingResult, options: argparse.Namespace, film: _Film | None = None
+) -> None:
     """Write the painting, its film and its report where options name files for them.
 
     Raises
@@ -197,7 +199,7 @@ def say_if_over(fraction: float, name: str = "") -> None:
         _LOG.warning("%s%.0f %% of it lies over what was painted before", piece, 100.0 * fraction)
 
 
-def write_report(file: Path, painting: Painting) -> None:
+def write_report(file: Path, painting: PaintingResult) -> None:
     """Write the report as JSON, whole or not at all.
 
     Raises
@@ -370,7 +372,7 @@ _MOST = 20_000  # samples whose distances are looked at
 
 
 def refuse_untouched(
-    painting: Painting, recording: Recording | LaidPad, mesh: TriangleMesh, name: str
+    painting: PaintingResult, recording: Recording | LaidPad, mesh: TriangleMesh, name: str
 ) -> None:
     """Refuse a painting of one recording that left no footprint, or painted nothing with ink.
 

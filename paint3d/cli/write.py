@@ -52,7 +52,7 @@ from paint3d.cli.painting import (
 )
 from paint3d.cli.progress import ProgressBar
 from paint3d.cli.results import (
-    Painting,
+    PaintingResult,
     add_layer_option,
     check_is_plane,
     export_outlines,
@@ -260,7 +260,7 @@ def carry_out(
     dips: str | int,
     trials: int = 0,
     sheet: FlatPage | None = None,
-) -> tuple[Written, Painting]:
+) -> tuple[Written, PaintingResult]:
     """Plan, paint and write the files that the options of `add_task_options` name.
 
     Parameters

@@ -104,8 +104,8 @@ class Material:
     residual : float
         Fraction of it that the fibres hold in place.
     advance : float
-        Fraction of it above which water advances into dry pores. The more it exceeds the
-        residual, the earlier the border is pinned and the darker its rim dries.
+        Entry saturation: fraction of it above which water enters dry pores. The more it exceeds
+        the residual, the earlier the border is pinned and the darker its rim dries.
     spread_mm2_s : float
         Diffusivity of water in full pores, mm2/s.
     passing : float

@@ -154,8 +154,8 @@ def _film(
     np.add.at(weights, (np.arange(len(chosen))[:, None], chosen), fractions)
     glossy = np.array([ink.saunderson for ink in inks])
     film = np.maximum(weights.sum(axis=1), 1e-12)  # some hold no paint
-    share = weights[:, glossy].sum(axis=1) / film
-    outer, inner = (loss * share[:, None] for loss in SAUNDERSON)
+    glossy_fraction = weights[:, glossy].sum(axis=1) / film
+    outer, inner = (loss * glossy_fraction[:, None] for loss in SAUNDERSON)
     below = np.maximum(to_internal(ground, outer, inner), 0.0)
     return to_measured(layer_reflectance(weights @ k, weights @ s, coats, below), outer, inner)
 
@@ -214,8 +214,8 @@ def _make_nearest(
         parts[WATER] = round(1.0 - sum(parts.values()), 4)
     indices = {ink: k for k, ink in enumerate(inks)}
     inked = [(indices[ink], fraction) for ink, fraction in parts.items() if ink is not WATER]
-    rows, shares = np.array([[k for k, _ in inked]]), np.array([[part for _, part in inked]])
-    coat, wash = (_film(rows, shares, inks, wanted.ground, coats) for coats in (1.0, WASH_COATS))
+    rows, fractions = np.array([[k for k, _ in inked]]), np.array([[part for _, part in inked]])
+    coat, wash = (_film(rows, fractions, inks, wanted.ground, coats) for coats in (1.0, WASH_COATS))
     off = float(delta_e(lab_from_reflectance(coat), wanted.coat)[0])
     wash_off = None
     if wanted.wash is not None:

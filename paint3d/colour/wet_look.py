@@ -19,9 +19,9 @@ __all__ = [
     "FILM_ROUGHNESS",
     "MATT_ROUGHNESS",
     "WetLook",
-    "damp_share",
+    "damp_fraction",
     "darkened",
-    "film_share",
+    "film_fraction",
     "shine_of_inks",
 ]
 
@@ -95,18 +95,18 @@ def shine_of_inks(material: float, gloss: AnyArray, hidden: AnyArray) -> AnyArra
     return shine
 
 
-def film_share(depth_mm: AnyArray, pores_mm: float) -> AnyArray:
+def film_fraction(depth_mm: AnyArray, pores_mm: float) -> AnyArray:
     """Smoothing (N,) by a film of water, 0 to 1; depth (N,) with the water in the pores."""
     smoothing: AnyArray = 1.0 - np.exp(-np.maximum(depth_mm - pores_mm, 0.0) / _FILM_MM)
     return smoothing
 
 
-def damp_share(depth_mm: AnyArray, pores_mm: float) -> AnyArray:
+def damp_fraction(depth_mm: AnyArray, pores_mm: float) -> AnyArray:
     """Fraction (N,) of the pores filled with water, 0 to 1; without pores, of the surface."""
     if pores_mm > 0.0:
         full: AnyArray = np.clip(depth_mm / pores_mm, 0.0, 1.0)
         return full
-    return film_share(depth_mm, 0.0)
+    return film_fraction(depth_mm, 0.0)
 
 
 def darkened(srgb: NDArray[np.uint8], damp: AnyArray) -> NDArray[np.uint8]:

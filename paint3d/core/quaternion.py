@@ -76,19 +76,19 @@ def turn(q: Quaternion, v: Vector) -> Vector:
 
 
 def _x_axis(q: Quaternion) -> Vector:
-    """Where the x axis comes to lie: the first column of the rotation's matrix."""
+    """Direction of the x axis after the rotation: the first column of its matrix."""
     w, x, y, z = q
     return 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + w * z), 2.0 * (x * z - w * y)
 
 
 def _y_axis(q: Quaternion) -> Vector:
-    """Where the y axis comes to lie."""
+    """Direction of the y axis after the rotation."""
     w, x, y, z = q
     return 2.0 * (x * y - w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + w * x)
 
 
 def _z_axis(q: Quaternion) -> Vector:
-    """Where the z axis comes to lie."""
+    """Direction of the z axis after the rotation."""
     w, x, y, z = q
     return 2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)
 

@@ -37,8 +37,8 @@ def find_axis(vertices: AnyArray, faces: AnyArray, bounds: AnyArray) -> tuple[fl
     a, b, c = (vertices[faces[:, k], 2] for k in range(3))
     foot, top = np.minimum(np.minimum(a, b), c), np.maximum(np.maximum(a, b), c)
     middles, sizes = [], []
-    for share in (np.arange(_SECTIONS) + 0.5) / _SECTIONS:
-        height = np.float32(low[2] + share * (high[2] - low[2]))
+    for fraction in (np.arange(_SECTIONS) + 0.5) / _SECTIONS:
+        height = np.float32(low[2] + fraction * (high[2] - low[2]))
         cut = np.flatnonzero((foot < height) & (top >= height))
         if len(cut):
             piece = _largest_piece(vertices, faces[cut], bounds, height)
@@ -63,8 +63,8 @@ def _largest_piece(
     crossing = below[..., 0] != below[..., 1]  # two of each face, in its order
     edges = np.where(below[..., :1], edges, edges[..., ::-1])[crossing]
     start, end = (vertices[edges[:, k]].astype(np.float64) for k in range(2))
-    share = (float(height) - start[:, 2]) / (end[:, 2] - start[:, 2])
-    ends = start[:, :2] + share[:, None] * (end - start)[:, :2]
+    fraction = (float(height) - start[:, 2]) / (end[:, 2] - start[:, 2])
+    ends = start[:, :2] + fraction[:, None] * (end - start)[:, :2]
     size = float(np.ptp(bounds, axis=0).max())
     at = np.rint((ends - bounds[0, :2]) / (_ALIKE * size)).astype(np.int64)
     found, node = np.unique(at @ np.array([round(2.0 / _ALIKE), 1]), return_inverse=True)

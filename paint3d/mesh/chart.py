@@ -128,7 +128,7 @@ _LEAST_ADVANCE = 0.6
 _MOST_NODES = 400
 _PROBES = 5  # geodesics to each side of the rim that are traced first
 _FARTHEST_SIZES = 8.0  # reach of a chart from its middle, in diagonals of the object
-_INVERSE_NODES = 81
+_INVERSE_NODES = 81  # of `coordinates`, likewise
 
 
 @dataclass(frozen=True, eq=False)
@@ -246,7 +246,9 @@ class SurfaceChart:
 
         Notes
         -----
-        The nearest of a grid of nodes, then four Gauss-Newton steps.
+        The nearest of a grid of nodes, then four Gauss-Newton steps with the spline's own slopes.
+        `unroll` inverts the same map by sums and differences alone, so that seals are printed in a
+        browser to the same bits: neither gives the other's last bits, and both are painted with.
         """
         from scipy.spatial import cKDTree
 
@@ -460,7 +462,7 @@ def _unit_tangents(vectors: AnyArray, normals: AnyArray) -> AnyArray:
 
 # ---- From the surface back to the sheet ----------------------------------------------------------
 
-_NODES = 65  # along each side of the grid that gives the first guess
+_NODES = 65  # of `unroll`: along each side of the grid that gives the first guess
 _ROUNDS = 4
 _DIFFERENCE = 1e-3  # of the chart's half width
 
@@ -468,8 +470,9 @@ _DIFFERENCE = 1e-3  # of the chart's half width
 def unroll(chart: SurfaceChart, points: ArrayLike) -> NDArray[np.float64]:
     """Chart coordinates (N, 2), mm, of points (N, 3) on the surface; NaN outside the chart.
 
-    Newton's method from the nearest of 65 by 65 nodes; a point's distance from the surface, along
-    its normal, does not matter.
+    Newton's method from the nearest of 65 by 65 nodes, with slopes by differences, as in
+    `web/src/mesh/spline_chart.ts`; a point's distance from the surface, along its normal, does not
+    matter. See also `SurfaceChart.coordinates`.
 
     Raises
     ------

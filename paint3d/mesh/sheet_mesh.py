@@ -96,7 +96,7 @@ def with_paper(mesh: TriangleMesh, srgb: AnyArray) -> TriangleMesh:
 
 
 class WritingArea(NamedTuple):
-    """Where text may stand."""
+    """Part of a sheet on which text may stand."""
 
     mesh: TriangleMesh
     """It bears the object's name, so that messages say it."""
@@ -214,7 +214,7 @@ def _disc(radius: float) -> tuple[AnyArray, AnyArray]:
 
 
 def _mount(sheet: Sheet) -> list[_Part]:
-    """What is around one panel."""
+    """Return the parts of the mount around one panel: a border, or silk, strips and rods."""
     if sheet.usual.mount == "board":
         return [(*_border(sheet), _SILK)]
     silk, strips, rods = _scroll(sheet)

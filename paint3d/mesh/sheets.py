@@ -23,7 +23,7 @@ _SIZE = re.compile(r"(\d+(?:\.\d+)?)(?:x(\d+(?:\.\d+)?))?")
 
 @dataclass(frozen=True)
 class Form:
-    """What is usual of sheets of one form.
+    """Usual dimensions and materials of sheets of one form.
 
     Attributes
     ----------
@@ -123,12 +123,12 @@ class Sheet:
 
     @property
     def usual(self) -> Form:
-        """What is usual of its form."""
+        """Usual values of its form."""
         return FORMS[self.form]
 
     @property
     def name(self) -> str:
-        """What `parse_sheet` makes the same sheet of."""
+        """Name that `parse_sheet` makes the same sheet of."""
         usual, words = self.usual, [self.form]
         if self.form == "sheet" or self.size != (usual.width_mm, usual.height_mm):
             one = usual.shape == "disc"

@@ -140,7 +140,7 @@ class TriangleMesh:
 
     @cached_property
     def body_axis(self) -> tuple[float, float]:
-        """Where the vertical axis of its body is, which a handle does not move: x and y, mm."""
+        """Vertical axis of its body, which a handle does not move: x and y, mm."""
         return find_axis(self.vertices, self.faces, self.bounds)
 
     @cached_property

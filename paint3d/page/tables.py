@@ -19,8 +19,8 @@ from paint3d.brush_engine.bristles.state import make_hairs
 from paint3d.brush_engine.dry_contact import bundle_noise, contact_noise
 from paint3d.brush_engine.footprint import PROFILE_CELLS
 from paint3d.brush_engine.ink_transfer import LINES
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.scratch import ROWS, make_scratch
-from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE
 from paint3d.brush_engine.vertex_query import CURSOR_SIZE, DISC_ROWS
 from paint3d.colour.glazing import srgb_primaries
 from paint3d.colour.layers import SAUNDERSON

@@ -717,13 +717,13 @@ class Painter:
         self._paint_pending(len(self._pending) - 1)
 
     def finish(self) -> None:
-        """Paint all pending samples and lift the brush."""
+        """Paint all pending samples and end the stroke."""
         self._paint_pending(len(self._pending) - 1)
         self._n_samples += len(self._pending)
         self.abandon()
 
     def abandon(self) -> None:
-        """Drop pending samples and lift the brush; what is painted stays."""
+        """Drop pending samples and end the stroke; what is painted stays."""
         self._pending, self._schedule, self._n_released = [], _Schedule(), 0
         self._begin()
 

@@ -49,6 +49,7 @@ __all__ = [
     "read_score",
     "save_score",
     "schema",
+    "undo_kinds",
     "write_score",
 ]
 
@@ -72,6 +73,18 @@ def command_names() -> tuple[str, ...]:
     """Names of the commands that a line can ask for."""
     definitions = schema()["$defs"]
     return tuple(name for name, rule in definitions.items() if "do" in rule.get("required", ()))
+
+
+@lru_cache(maxsize=1)
+def undo_kinds() -> Mapping[str, str]:
+    """Effects of commands on the history of undo, by name: ``x-undo`` of the schema.
+
+    "stroke" begins a step, "step" makes one, "layers" makes one and is refused while one looks at
+    what was before, "history" goes back or forth; all but "layers" end such a look or begin one.
+    """
+    definitions = schema()["$defs"]
+    undo = {name: definitions[name].get("x-undo") for name in command_names()}
+    return {name: kind for name, kind in undo.items() if kind is not None}
 
 
 def check_header(line: Mapping[str, Any]) -> None:

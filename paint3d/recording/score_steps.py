@@ -13,17 +13,9 @@ from typing import Any
 
 from paint3d.errors import Message, RecordingError
 from paint3d.recording.recording import Recording
-from paint3d.recording.score import Score
+from paint3d.recording.score import Score, undo_kinds
 
 __all__ = ["ScoreSteps", "ScoreStroke", "follow_steps", "stroke_of"]
-
-_LAYER_COMMANDS = frozenset(
-    {"add_layer", "duplicate_layer", "merge_layer", "move_layer", "remove_layer", "set_blend",
-     "set_opacity", "add_group", "ungroup", "duplicate_group", "move_group", "remove_group",
-     "set_group_opacity", "set_group_blend"}
-)  # fmt: skip
-_UNDOABLE_COMMANDS = frozenset({"blot", "dry", "press_seal", "lay_text", "remove_text"})
-_HISTORY_COMMANDS = frozenset({"undo", "redo", "replay_history"})
 
 
 @dataclass(eq=False)
@@ -93,7 +85,8 @@ class _Follower:
     def command(self, k: int, line: Mapping[str, Any]) -> list[ScoreStroke | None]:
         """Execute a line; return the steps that it takes back or does again."""
         name, refused = line["do"], bool(line.get("refused"))
-        if name == "begin_stroke" and self.current is None:
+        kind = undo_kinds().get(name)
+        if kind == "stroke" and self.current is None:
             empties_redo = self.is_previewing or bool(self.undone)
             self._end_preview()
             if not refused:
@@ -101,14 +94,14 @@ class _Follower:
                 self._add_step(self.current)
         elif name in ("end_stroke", "cancel_stroke"):
             self._end_stroke(k + 1, cancelled=name == "cancel_stroke")
-        elif name in _UNDOABLE_COMMANDS and self.current is None:
+        elif kind == "step" and self.current is None:
             self._end_preview()
             if not refused:
                 is_seal = name == "press_seal"
                 self._add_step(ScoreStroke(0, k, k + 1, is_seal=True) if is_seal else None)
-        elif name in _LAYER_COMMANDS and self.current is None and not self.is_previewing:
+        elif kind == "layers" and self.current is None and not self.is_previewing:
             self._add_step(None)
-        elif name in _HISTORY_COMMANDS:
+        elif kind == "history":
             self._end_stroke(k)
             self.is_previewing = name == "replay_history" and bool(line.get("passing"))
             if name == "replay_history":
@@ -173,7 +166,7 @@ def follow_steps(score: Score) -> ScoreSteps:
                 follower.current.has_samples = True
             continue
         affected = follower.command(k, event)
-        if event["do"] in _HISTORY_COMMANDS:
+        if undo_kinds().get(event["do"]) == "history":
             steps.affected_steps[k], steps.strokes_after[k] = affected, follower.strokes_done()
     follower._end_stroke(len(score.events))
     steps.strokes, steps.done = follower.strokes, follower.strokes_done()

@@ -36,7 +36,7 @@ class DryRows(NamedTuple):
     vertex_ids: AnyArray  # (K,) int32
     spectra: AnyArray  # (K, 31) uint16
     amounts: AnyArray  # (K, P) float32
-    share: AnyArray  # (K,) float32
+    coverage: AnyArray  # (K,) float32
     over: tuple[AnyArray, ...]  # (K, 31) uint16 each, or (K, 0)
 
 
@@ -64,7 +64,7 @@ class DryLayers:
         self._ids = np.empty(0, np.int32)
         self._spectra = np.empty((0, N_BANDS), np.uint16)
         self._amounts = np.zeros((0, n_pigments), np.float32)
-        self._share = np.zeros(0, np.float32)
+        self._coverage = np.zeros(0, np.float32)
         self._over = tuple(np.empty((0, bands), np.uint16) for _ in GROUNDS)
         self._marked: int | None = None
         self._before: list[DryRows] = []
@@ -80,9 +80,9 @@ class DryLayers:
         return self._amounts[: self.count]
 
     @property
-    def share(self) -> NDArray[np.float32]:
+    def coverage(self) -> NDArray[np.float32]:
         """(D,) float32: greatest fraction of the vertex's area that any coat covers."""
-        return self._share[: self.count]
+        return self._coverage[: self.count]
 
     @property
     def spectra(self) -> NDArray[np.uint16]:
@@ -160,17 +160,17 @@ class DryLayers:
         return rows
 
     def settle(
-        self, vertex_ids: AnyArray, rows: AnyArray, amounts: AnyArray, share: AnyArray
+        self, vertex_ids: AnyArray, rows: AnyArray, amounts: AnyArray, coverage: AnyArray
     ) -> None:
         """Assign rows (N,) from `reserve_rows` to vertices on which paint has dried.
 
-        Adds the amounts (N, P) that dried, which cover the fractions `share` (N,) of the vertices.
+        Adds the amounts (N, P) that dried, which cover fractions `coverage` (N,) of the vertices.
         """
         self.changes += 1
         self._slots[vertex_ids] = rows
         self._ids[rows] = vertex_ids
         self._amounts[rows] += amounts
-        self._share[rows] = np.maximum(self._share[rows], share)
+        self._coverage[rows] = np.maximum(self._coverage[rows], coverage)
         self.count = max(self.count, int(rows.max()) + 1)
 
     # -- for undo ---------------------------------------------------------------------------
@@ -186,12 +186,12 @@ class DryLayers:
         saved = [*self._before, self._copy_rows(np.empty(0, np.int32), marked)]
         rows = np.concatenate([s.rows for s in saved])
         rows, first = np.unique(rows, return_index=True)  # a row's first copy is the oldest
-        ids, spectra, amounts, share = (
+        ids, spectra, amounts, coverage = (
             np.concatenate([_wide(array, self) for array in column])[first]
             for column in zip(*(s[2:6] for s in saved), strict=True)
         )
         over = [np.concatenate([s.over[i] for s in saved])[first] for i in range(len(GROUNDS))]
-        return DryRows(marked, rows, ids, spectra, amounts, share, tuple(over))
+        return DryRows(marked, rows, ids, spectra, amounts, coverage, tuple(over))
 
     def exchange(self, then: DryRows, capacity: int) -> DryRows:
         """Set the rows to another state; return the state that they had."""
@@ -200,14 +200,14 @@ class DryLayers:
         now = self._copy_rows(np.concatenate([shared, leaving]), self.count)
         self._slots[self._ids[leaving]] = -1
         self._amounts[leaving] = 0.0
-        self._share[leaving] = 0.0
+        self._coverage[leaving] = 0.0
         if then.count:
             self._slots = _padded(self._slots, capacity)
             self._reserve(then.count)
         self._ids[then.rows] = then.vertex_ids
         self._spectra[then.rows] = then.spectra
         self._amounts[then.rows] = _wide(then.amounts, self)
-        self._share[then.rows] = then.share
+        self._coverage[then.rows] = then.coverage
         for array, old in zip(self._over, then.over, strict=True):
             array[then.rows] = old
         self._slots[then.vertex_ids] = then.rows
@@ -217,7 +217,7 @@ class DryLayers:
 
     def _copy_rows(self, rows: AnyArray, count: int) -> DryRows:
         over = tuple(array[rows] for array in self._over)
-        own = self._ids[rows], self._spectra[rows], self._amounts[rows], self._share[rows]
+        own = self._ids[rows], self._spectra[rows], self._amounts[rows], self._coverage[rows]
         return DryRows(count, rows, *own, over)
 
     def _reserve(self, wanted: int) -> None:
@@ -226,7 +226,7 @@ class DryLayers:
             self._ids = grown(self._ids, self.count, capacity)
             self._spectra = grown(self._spectra, self.count, capacity)
             self._amounts = grown(self._amounts, self.count, capacity)
-            self._share = grown(self._share, self.count, capacity)
+            self._coverage = grown(self._coverage, self.count, capacity)
             self._over = tuple(grown(array, self.count, capacity) for array in self._over)
 
     def restore(
@@ -235,7 +235,7 @@ class DryLayers:
         vertex_ids: AnyArray,
         spectra: AnyArray,
         amounts: AnyArray,
-        share: AnyArray,
+        coverage: AnyArray,
         over: tuple[AnyArray, ...] | None = None,
     ) -> None:
         """Replace all rows by saved ones; the arrays are those of the properties' names."""
@@ -244,7 +244,7 @@ class DryLayers:
         self._ids = np.array(vertex_ids, np.int32)
         self._spectra = np.array(spectra, np.uint16)
         self._amounts = np.array(amounts, np.float32)
-        self._share = np.array(share, np.float32)
+        self._coverage = np.array(coverage, np.float32)
         self.count = len(vertex_ids)
         self.changes += 1
         if over is None:

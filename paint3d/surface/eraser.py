@@ -1,7 +1,7 @@
 """An eraser: a brush that takes dry paint off where it would have put ink.
 
 It paints as it always does, so its print is that of the brush; what fell on the surface goes back
-into the brush, and the share of each vertex that was covered loses so much of the paint of the
+into the brush, and the fraction of each vertex that was covered loses so much of the paint of the
 layer. The rest of a row shows as it did, over any ground: `DryLayers` keeps it by three of them.
 """
 
@@ -18,7 +18,7 @@ from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["Eraser", "give_back"]
 
-_ALL = 0.98  # covered share from which nothing is left
+_ALL = 0.98  # covered fraction from which nothing is left
 
 
 class Eraser:
@@ -32,7 +32,7 @@ class Eraser:
     def __init__(self, surface: PaintedSurface) -> None:
         self._surface = surface
         surface.dry()
-        self._gone = np.zeros(0, np.float32)  # share of each vertex that has been erased
+        self._gone = np.zeros(0, np.float32)  # fraction of each vertex that has been erased
 
     def wipe(self) -> float:
         """Take off what lies where the brush has just been.
@@ -60,7 +60,7 @@ class Eraser:
         rows = dry.reserve_rows(ids, surface.paint_mesh.capacity)
         before = dry.amounts[rows]
         dry.amounts[rows] = before * stays[:, None]
-        dry.share[rows] *= stays
+        dry.coverage[rows] *= stays
         bare = surface.bare_spectra(ids).astype(np.float64)
         _fade(dry.spectra, rows, bare, stays)
         for grey, over in zip(GROUNDS, dry.over, strict=True):
@@ -71,7 +71,7 @@ class Eraser:
         return math.fsum(surface.vertex_areas[ids] * erased)
 
     def _take_back_ink(self, ids: AnyArray) -> None:
-        """Have the brush hold again what it left on vertices (N,)."""
+        """Put what the brush left on vertices (N,) back into it."""
         ink = self._surface.ink
         amounts = ink.amounts[ids].astype(np.float64)
         ink.amounts[ids], ink.coverage[ids] = 0.0, 0.0
@@ -85,7 +85,7 @@ def _fade(spectra: AnyArray, rows: AnyArray, ground: AnyArray | float, stays: An
 
 
 def give_back(surface: PaintedSurface, ids: AnyArray, amounts: AnyArray) -> AnyArray:
-    """Let the brush hold amounts (N, P) of vertices (N,), wherever along the tuft such ink is.
+    """Put amounts (N, P) of vertices (N,) back into the brush, wherever along it such ink is.
 
     Returns what it has more, (P,) float64, coats x mm2.
     """
@@ -95,9 +95,9 @@ def give_back(surface: PaintedSurface, ids: AnyArray, amounts: AnyArray) -> AnyA
     wanted = ink.load + caught
     held = np.maximum(wanted, 0.0)
     given = held - ink.load
-    shares = np.divide(held, ink.load, out=np.zeros_like(held), where=ink.load > 0.0)
+    fractions = np.divide(held, ink.load, out=np.zeros_like(held), where=ink.load > 0.0)
     empty = (ink.load <= 0.0) & (held > 0.0)
-    ink.reservoirs[:] *= shares
+    ink.reservoirs[:] *= fractions
     if len(ink.reservoirs) > 1:
         ink.reservoirs[:, empty] = held[empty] / len(ink.reservoirs)
         level_reservoirs(ink.reservoirs)

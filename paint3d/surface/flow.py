@@ -30,7 +30,7 @@ from paint3d.core.arrays import AnyArray
 from paint3d.surface.ink_store import InkStore, union
 from paint3d.surface.kernels.diffusion import Drying, ease_entries, evaporate, solve_edges
 from paint3d.surface.kernels.wet_graph import grade_paces
-from paint3d.surface.kernels.wet_step import TOO_LITTLE_ROOM, Absorption, Workspace, move_water
+from paint3d.surface.kernels.wet_step import WORKSPACE_TOO_SMALL, Absorption, Workspace, move_water
 from paint3d.surface.pores import capacity_of, entry_ratio_of, film_of
 from paint3d.surface.wet_patch import FIRST_PACE, WetPatch
 
@@ -56,7 +56,8 @@ _EDGE_GAIN, _EDGE_REACH = 8.0, 1.0  # evaporation at the border over that inside
 _EDGE_SWEEPS = 2
 _DRY = 1e-9  # mm: less water counts as none
 _MOST_THREADS = 4
-_ROOM, _MOST_ROOM = 1 << 18, 1 << 24  # floats of work memory per thread; at most 128 MiB stays
+# Floats of work memory per thread; at most 128 MiB stays.
+_WORKSPACE, _MOST_WORKSPACE = 1 << 18, 1 << 24
 _Item = TypeVar("_Item")
 _Result = TypeVar("_Result")
 
@@ -66,24 +67,24 @@ class WorkMemory(threading.local):
 
     Attributes
     ----------
-    room : Workspace
+    workspace : Workspace
         Scratch arrays passed to each step.
     """
 
     def __init__(self) -> None:
-        self._make(_ROOM)
+        self._make(_WORKSPACE)
 
     def _make(self, size: int) -> None:
-        self.room = Workspace(np.empty(size), np.empty(size // 2, np.int32))
+        self.workspace = Workspace(np.empty(size), np.empty(size // 2, np.int32))
 
     def grow(self) -> None:
         """Double the scratch arrays."""
-        self._make(2 * len(self.room.floats))
+        self._make(2 * len(self.workspace.floats))
 
     def give_back(self) -> None:
         """Shrink to the initial size if a large step made the arrays exceptionally large."""
-        if len(self.room.floats) > _MOST_ROOM:
-            self._make(_ROOM)
+        if len(self.workspace.floats) > _MOST_WORKSPACE:
+            self._make(_WORKSPACE)
 
 
 work_memory = WorkMemory()
@@ -367,9 +368,9 @@ class Flow:
         fields, rims = p.fields(step.due, step.mobile, step.moved), p.graph.rims_of(blocks)
         while True:
             stages = move_water(
-                fields, nodes, rims, self._absorption, _SHORTEST, rest, work_memory.room
+                fields, nodes, rims, self._absorption, _SHORTEST, rest, work_memory.workspace
             )
-            if stages != TOO_LITTLE_ROOM:
+            if stages != WORKSPACE_TOO_SMALL:
                 break
             work_memory.grow()
         work_memory.give_back()

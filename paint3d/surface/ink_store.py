@@ -307,12 +307,12 @@ class InkStore:
         grounds = [ground]
         if self.dry_layers.has_filters:
             grounds += self.dry_layers.grey_grounds(ground)
-        every, share = np.arange(len(vertex_ids), dtype=np.int32), ink.coverage[vertex_ids]
-        seen = self.seen_amounts(vertex_ids, ink.amounts[vertex_ids], share)
+        every, coverage = np.arange(len(vertex_ids), dtype=np.int32), ink.coverage[vertex_ids]
+        seen = self.seen_amounts(vertex_ids, ink.amounts[vertex_ids], coverage)
         for below in grounds:
-            self._glaze.dry(seen, share, _ground_at(below, vertex_ids), every, rows)
+            self._glaze.dry(seen, coverage, _ground_at(below, vertex_ids), every, rows)
         amounts = ink.amounts[vertex_ids] * self._lasting
-        self.dry_layers.settle(vertex_ids, rows, amounts, share)
+        self.dry_layers.settle(vertex_ids, rows, amounts, coverage)
         ink.amounts[vertex_ids] = 0.0
         ink.coverage[vertex_ids] = 0.0
         self.touch(vertex_ids)

@@ -49,7 +49,7 @@ _AT_ONCE = 1 << 16  # vertices composited per chunk
 
 @dataclass(frozen=True)
 class Group:
-    """What is said of layers that are a group.
+    """Properties of a group of layers.
 
     Attributes
     ----------
@@ -304,16 +304,16 @@ class LayerStack:
         )
         spectra = store.bare_spectra(ids)
         amounts = np.zeros((len(ids), count), np.float32)
-        share = np.zeros(len(ids), np.float32)
+        coverage = np.zeros(len(ids), np.float32)
         self._active = _NONE  # both rest
         for key in (lower, upper) if len(ids) else ():
             assert glaze is not None, "something has dried, so a pigment is known"
             for ground in (*over, spectra):
                 self._lay_over(glaze, key, ids, ground)
             amounts += self._ink_of(key, ids)
-            share = np.maximum(share, self._share_of(key, ids))
+            coverage = np.maximum(coverage, self._coverage_of(key, ids))
         dry = DryLayers(count, filters=True)
-        dry.restore(capacity, ids, spectra, amounts, share, over)
+        dry.restore(capacity, ids, spectra, amounts, coverage, over)
         self._about[new] = Layer(self._about[lower].name)
         self._keys[place - 1 : place + 1] = [new]
         self._join(new, self._group_of.get(lower, 0))
@@ -476,7 +476,7 @@ class LayerStack:
         self._groups[group] = replace(self._groups[group], **_checked(changes))
 
     def put_in_group(self, place: int, group: Group | None) -> None:
-        """Have a layer in a group that is known from a file, or in none.
+        """Put a layer in a group that is known from a file, or in none.
 
         Raises
         ------
@@ -755,24 +755,24 @@ class LayerStack:
         """
         ids = np.arange(self._store.n_vertices, dtype=np.int32)
         key = self._key(place)
-        return self._ink_of(key, ids), self._share_of(key, ids)
+        return self._ink_of(key, ids), self._coverage_of(key, ids)
 
-    def share_at(self, vertex_ids: AnyArray) -> NDArray[np.float32]:
+    def coverage_at(self, vertex_ids: AnyArray) -> NDArray[np.float32]:
         """Return the greatest fraction (N,) of vertices that paint on visible layers covers."""
-        share = np.zeros(len(vertex_ids), np.float32)
+        coverage = np.zeros(len(vertex_ids), np.float32)
         for key in filter(self._is_seen, self._keys):
             shows = np.float32(self._opacity(key))
-            share = np.maximum(share, shows * self._share_of(key, vertex_ids))
-        return share
+            coverage = np.maximum(coverage, shows * self._coverage_of(key, vertex_ids))
+        return coverage
 
-    def _share_of(self, key: int, ids: AnyArray) -> NDArray[np.float32]:
+    def _coverage_of(self, key: int, ids: AnyArray) -> NDArray[np.float32]:
         """Return the fraction (N,) of vertices that one layer's paint covers, wet or dry."""
-        share = np.zeros(len(ids), np.float32)
+        covered = np.zeros(len(ids), np.float32)
         dry, rows, wet, _, coverage = self._paint_at(key, ids)
         dried = np.flatnonzero(rows >= 0)
-        share[dried] = dry.share[rows[dried]]
-        share[wet] = np.maximum(share[wet], coverage)
-        return share
+        covered[dried] = dry.coverage[rows[dried]]
+        covered[wet] = np.maximum(covered[wet], coverage)
+        return covered
 
     def coats_at(self, vertex_ids: AnyArray) -> NDArray[np.float64]:
         """Return the ink (N, P) of all visible layers on vertices (N,), wet and dry.
@@ -820,14 +820,14 @@ class LayerStack:
             dry += float(areas[content.dry.vertex_ids] @ amounts)
         return wet, dry
 
-    def add_shares(self, share: AnyArray) -> None:
-        """Raise `share` (V,) to the fraction covered by resting layers, visible or not."""
+    def add_coverage(self, coverage: AnyArray) -> None:
+        """Raise `coverage` (V,) to the fraction covered by resting layers, visible or not."""
         for content in self._resting():
             for ids, own in (
                 (content.ids, content.coverage),
-                (content.dry.vertex_ids, content.dry.share),
+                (content.dry.vertex_ids, content.dry.coverage),
             ):
-                share[ids] = np.maximum(share[ids], own)
+                coverage[ids] = np.maximum(coverage[ids], own)
 
     def _resting(self) -> Sequence[_Content]:
         return [self._contents[key] for key in self._keys if key != self._active]
@@ -886,7 +886,7 @@ def _add_filters(store: InkStore) -> None:
     if dry.has_filters:
         return
     over = tuple(np.zeros((dry.count, N_BANDS), np.uint16) for _ in GROUNDS)
-    rows, covered = np.arange(dry.count, dtype=np.int32), dry.share.copy()
+    rows, covered = np.arange(dry.count, dtype=np.int32), dry.coverage.copy()
     bare = store.ground()._replace(
         slots=np.empty(0, np.int32), linear_rgb=np.empty((0, 3), np.float32)
     )

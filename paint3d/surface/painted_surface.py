@@ -143,7 +143,7 @@ class PaintedSurface(InkStore):
 
     @property
     def n_outdated(self) -> int:
-        """How many vertices may have other colours than at the last `refresh`."""
+        """Number of vertices that may have other colours than at the last `refresh`."""
         return int(self.ink.n_dirty[0])
 
     def take_changed(self) -> NDArray[np.int32]:
@@ -333,35 +333,35 @@ class PaintedSurface(InkStore):
         result: NDArray[np.float64] = ink.astype(np.float64)
         return result
 
-    def share_painted(self) -> NDArray[np.float32]:
+    def painted_coverage(self) -> NDArray[np.float32]:
         """Return the greatest fraction (V,) of each vertex that any paint covers, wet or dry."""
-        share = self.coverage.copy()
+        coverage = self.coverage.copy()
         ids = self.dry_layers.vertex_ids
-        share[ids] = np.maximum(share[ids], self.dry_layers.share)
+        coverage[ids] = np.maximum(coverage[ids], self.dry_layers.coverage)
         if self.layers is not None:
-            self.layers.add_shares(share)
-        return share
+            self.layers.add_coverage(coverage)
+        return coverage
 
-    def share_at(self, vertex_ids: AnyArray) -> NDArray[np.float32]:
+    def coverage_at(self, vertex_ids: AnyArray) -> NDArray[np.float32]:
         """Return the greatest fraction (N,) of vertices that paint on visible layers covers."""
         if self.layers is not None:
-            return self.layers.share_at(vertex_ids)
-        share: NDArray[np.float32] = self.ink.coverage[vertex_ids]
+            return self.layers.coverage_at(vertex_ids)
+        coverage: NDArray[np.float32] = self.ink.coverage[vertex_ids]
         if self.dry_layers.count:
             rows = self.dry_layers.rows_of(vertex_ids)
             dried = rows >= 0
-            share[dried] = np.maximum(share[dried], self.dry_layers.share[rows[dried]])
-        return share
+            coverage[dried] = np.maximum(coverage[dried], self.dry_layers.coverage[rows[dried]])
+        return coverage
 
-    def share_codes(self, vertex_ids: AnyArray | None = None) -> NDArray[np.uint8]:
-        """Return `share_at` of vertices (N,), by default of all, as (N,) uint8; 255 is 1."""
+    def coverage_codes(self, vertex_ids: AnyArray | None = None) -> NDArray[np.uint8]:
+        """Return `coverage_at` of vertices (N,), by default of all, as (N,) uint8; 255 is 1."""
         ids = np.arange(self.n_vertices, dtype=np.int32) if vertex_ids is None else vertex_ids
-        codes: NDArray[np.uint8] = np.rint(255.0 * self.share_at(ids)).astype(np.uint8)
+        codes: NDArray[np.uint8] = np.rint(255.0 * self.coverage_at(ids)).astype(np.uint8)
         return codes
 
     @property
     def wet_look(self) -> WetLook | None:
-        """How wet and glossy each vertex is; None where all are as dry and rough as the material.
+        """Wetness and gloss of each vertex; None where all are as dry and rough as the material.
 
         Water is what `diffuse` and wet replays move: ink for which no time has passed has none. The
         ink of all visible layers counts, but only the water of the active one.
@@ -502,19 +502,19 @@ class PaintedSurface(InkStore):
             Of layers of one name the second is ``"NAME (2)"``, and so on.
         """
         if self.layers is None:
-            amounts, share, dry = self.amounts.copy(), self.coverage.copy(), self.dry_layers
+            amounts, coverage, dry = self.amounts.copy(), self.coverage.copy(), self.dry_layers
             amounts[dry.vertex_ids] += dry.amounts
-            share[dry.vertex_ids] = np.maximum(share[dry.vertex_ids], dry.share)
-            layers = [("1", amounts, share)]
+            coverage[dry.vertex_ids] = np.maximum(coverage[dry.vertex_ids], dry.coverage)
+            layers = [("1", amounts, coverage)]
         else:
             stack = self.layers
             layers = [(layer.name, *stack.paint_on(k)) for k, layer in enumerate(stack.layers)]
         arrays: dict[str, NDArray[np.float32]] = {}
         counts: dict[str, int] = {}
-        for name, amounts, share in layers:
+        for name, amounts, coverage in layers:
             counts[name] = counts.get(name, 0) + 1
             unique = name if counts[name] == 1 else f"{name} ({counts[name]})"
-            arrays[f"{unique}: share"] = share
+            arrays[f"{unique}: share"] = coverage
             for column, pigment in enumerate(self.pigments):
                 if self._lasting[column] and amounts[:, column].any():
                     arrays[f"{unique}: {pigment.name}"] = amounts[:, column].copy()

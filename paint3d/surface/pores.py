@@ -1,12 +1,12 @@
 """Spatial variation of a surface's pores: grain, fibres, and the glue that has dried in them.
 
-Glue of dried ink closes pores: a later stroke's water advances more slowly there, and needs to
-stand higher to enter at all, so it is pushed back at an earlier stroke's border. How many coats
-close how much is set by eye.
+Glue of dried ink clogs pores: a later stroke's water runs more slowly there, and needs to stand
+higher to enter at all, so it is pushed back at an earlier stroke's border. How many coats clog how
+much is set by eye. The table of words is that of `surface.kernels.wet_step`.
 
 A sheet's fibres lie in flocs, denser and thinner regions of all sizes up to many times a fibre's
 length (Provatas, Alava, Ala-Nissila, *Phys. Rev. E* 54, R36, 1996, for light paper). Where the
-sheet is dense, water has to stand higher to advance, and advances more slowly: the front stops
+sheet is dense, water has to stand higher to enter, and runs more slowly: the front stops
 along dense regions, and its outline is rough on all scales. Strengths are chosen to make it as
 rough as measured wet fronts in paper, of exponent .63 (Buldyrev et al., *Phys. Rev. A* 45, R8313,
 1992).
@@ -26,7 +26,7 @@ from paint3d.surface.kernels.grain import fill_grain
 __all__ = [
     "Pores",
     "capacity_of",
-    "close_pores",
+    "clog_pores",
     "entry_ratio_of",
     "even_exp",
     "fibre_frames",
@@ -59,7 +59,7 @@ def even_exp(x: AnyArray) -> NDArray[np.float64]:
 
 
 # ---- Fibres --------------------------------------------------------------------------------------
-# The fibres of a sheet: streaks of solid noise along which water advances further.
+# The fibres of a sheet: streaks of solid noise along which water runs farther.
 #
 # A sheet of paper is felted of fibres a few millimetres long that lie in all directions. Water runs
 # along them first, so ink feathers in fine points instead of round bumps. The streaks are the
@@ -130,15 +130,15 @@ _FIBRES_OF_SIEVE = 0.5  # log of the drop of that potential along fibres, whose 
 _RAW_MM = 0.06  # depth of the pores of raw paper
 _CATCH_MM = 0.4  # in such: way through pores after which 1 / e of the fine pigment is still afloat
 _FIBRES_OF_CATCH, _FLOCS_OF_CATCH = 0.6, 1.0  # log of that way along fibres, and lost in flocs
-_GLUE = 0.25  # coats of dried ink that close half of what can be closed
+_GLUE = 0.25  # coats of dried ink that clog half of what can be clogged
 _GLUE_OF_WAYS = 0.9  # greatest fraction of the conductance that glue takes
-_GLUE_OF_ENTRY = 0.85  # of the range from the advance saturation to full pores, at most
+_GLUE_OF_ENTRY = 0.85  # of the range from the entry saturation to full pores, at most
 _FULL = 0.98  # saturation that counts as full
 _LEAST_MM = 0.012  # film held where there are no pores, by glue as it thickens
 _FILM_MM2_S = 0.3  # least diffusivity of a film of water: a few hundredths of a mm level in seconds
 _ENTRY_RATIO = 0.3  # entry potential of a cell's widest pores over that of its narrowest
-_POOL_MM = 0.25  # depth of a pool at which its border advances over a water-repellent surface
-_SHEDS = (0.6, 0.9)  # advance saturations at which repellence starts, and is complete
+_POOL_MM = 0.25  # depth at which a pool's water enters what is dry on a repellent surface
+_SHEDS = (0.6, 0.9)  # entry saturations at which repellence starts, and is complete
 
 
 def capacity_of(material: Material) -> float:
@@ -221,7 +221,7 @@ def find_pores(points: AnyArray, material: Material, spacing: float) -> Pores:
     return Pores(residual, strength, sieve, catch, entry_depth, conductance)
 
 
-def close_pores(
+def clog_pores(
     pores: Pores, material: Material, glue: AnyArray
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return the pores as `glue` (N,), coats of dried ink, leaves them.
@@ -229,13 +229,13 @@ def close_pores(
     Returns
     -------
     entry_depth, entry, conductance : (N,) float64
-        Depth to which a dry node fills before water advances, mm; the potential that this takes;
+        Depth at which a dry node is soaked, mm; the potential above which water enters it, mm3/s;
         the factor on the conductance.
     """
-    closed = glue / (glue + _GLUE)
+    clogged = glue / (glue + _GLUE)
     depth = capacity_of(material)
     full = _FULL * depth
-    entry_depth = pores.entry_depth + _GLUE_OF_ENTRY * closed * np.maximum(
+    entry_depth = pores.entry_depth + _GLUE_OF_ENTRY * clogged * np.maximum(
         0.0, full - pores.entry_depth
     )
     s = np.clip((entry_depth / depth - pores.residual), 0.0, 1.0)
@@ -244,7 +244,7 @@ def close_pores(
     return (
         entry_depth,
         pores.strength * (s * s * s) + pool_entry,
-        pores.conductance * (1.0 - _GLUE_OF_WAYS * closed),
+        pores.conductance * (1.0 - _GLUE_OF_WAYS * clogged),
     )
 
 

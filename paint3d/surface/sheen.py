@@ -13,8 +13,8 @@ from paint3d.colour.pigments import WATER, Pigment
 from paint3d.colour.wet_look import (
     MATT_ROUGHNESS,
     WetLook,
-    damp_share,
-    film_share,
+    damp_fraction,
+    film_fraction,
     shine_of_inks,
 )
 from paint3d.core.arrays import AnyArray, grown
@@ -58,12 +58,12 @@ def look_when_wet(surface: _Painted, roughness: float) -> WetLook | None:
     look.gloss[ids], look.hidden[ids] = _dried(surface, ids)
     if water is not None:
         ids, depth = water
-        look.film[ids], look.damp[ids] = film_share(depth, pores), damp_share(depth, pores)
+        look.film[ids], look.damp[ids] = film_fraction(depth, pores), damp_fraction(depth, pores)
     return look
 
 
 _STEPS = 127  # of shine, either way
-_SHARES = film_share, damp_share
+_FRACTIONS = film_fraction, damp_fraction
 _LEVELS = 15  # distinct levels: drying changes the picture a few times, not in every frame
 
 
@@ -123,7 +123,8 @@ class WetWatch:
         changed_dry = self._follow_dried(inked) if is_otherwise else self._wet[:0]
         ids, depth = (np.zeros(0, np.int32), np.zeros(0)) if water is None else water
         ids, depth = ids[depth > 0.0], depth[depth > 0.0]
-        film, damp = (_quantised(share(depth, surface.material.pores_mm)) for share in _SHARES)
+        pores_mm = surface.material.pores_mm
+        film, damp = (_quantised(fraction(depth, pores_mm)) for fraction in _FRACTIONS)
         self._is_wet[ids] = True
         dried = self._wet[~self._is_wet[self._wet]]
         self._is_wet[ids] = False

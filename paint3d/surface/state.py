@@ -162,7 +162,7 @@ def layer_state(surface: PaintedSurface, ids: NDArray[np.int32]) -> State:
         "dried": ids[dry.vertex_ids],
         "dried_spectra": dry.spectra.copy(),
         "dried_amounts": dry.amounts.copy(),
-        "dried_share": dry.share.copy(),
+        "dried_share": dry.coverage.copy(),
         **_flow_state(surface, ids),
     }
     if dry.has_filters:
@@ -382,14 +382,14 @@ def restore_layer(surface: PaintedSurface, state: State, now: NDArray[np.int32])
     dry = now[_vertices(state, "dried", n)]
     spectra = _spectra(state, "dried_spectra", len(dry))
     amounts = _amounts(state, "dried_amounts", (len(dry), count), np.float32)
-    share = _amounts(state, "dried_share", (len(dry),), np.float32, 1.0)
+    coverage = _amounts(state, "dried_share", (len(dry),), np.float32, 1.0)
     if (len(wet) or len(dry)) and not count:
         raise SessionError("there is ink without pigments")
     over = None
     if surface.layers is not None:
         over = tuple(_spectra(state, name, len(dry)) for name in _OVER)
     capacity = surface.paint_mesh.capacity
-    surface.dry_layers.restore(capacity, dry, spectra, amounts, share, over)
+    surface.dry_layers.restore(capacity, dry, spectra, amounts, coverage, over)
     surface.touch(np.concatenate([wet, dry[ink.coverage[dry] == 0.0]]))
     if state["flows"]:
         count = len(surface.pigments)

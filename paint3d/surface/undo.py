@@ -29,7 +29,7 @@ __all__ = [
     "DeltaRecorder",
     "PackedDelta",
     "PackedFlow",
-    "Painting",
+    "PaintedPart",
     "Part",
     "Step",
     "SurfaceDelta",
@@ -476,13 +476,13 @@ class UndoHistory:
     def n_bytes(self) -> int:
         """Memory that the steps take, in bytes, without those on disk."""
         parts = [part for step in self._steps() for part in step.parts]
-        return sum(part.n_bytes for part in parts if isinstance(part, Painting))
+        return sum(part.n_bytes for part in parts if isinstance(part, PaintedPart))
 
     @property
     def n_spilled(self) -> int:
         """Number of parts of steps that are on disk."""
         parts = [part for step in self._steps() for part in step.parts]
-        return sum(isinstance(p, Painting) and isinstance(p.delta, _DiskRange) for p in parts)
+        return sum(isinstance(p, PaintedPart) and isinstance(p.delta, _DiskRange) for p in parts)
 
     def begin(self, label: object) -> None:
         """Start a step; steps undone before can no longer be redone."""
@@ -518,11 +518,11 @@ class UndoHistory:
         """Add what changed so far to the current step, if anything did."""
         delta, kept = self._recorder.take(), self._kept
         self._kept = self._keep()
-        part = Painting(delta, kept, delta.n_bytes)
+        part = PaintedPart(delta, kept, delta.n_bytes)
         if not self._is_no_change(part):
             self._add(part)
 
-    def _is_no_change(self, part: Painting) -> bool:
+    def _is_no_change(self, part: PaintedPart) -> bool:
         """Return whether a part that was just taken changes nothing."""
         delta, dry = self._read(part), self._surface.dry_layers
         if len(delta.vertex_ids) or len(delta.dry.rows) or delta.dry.count != dry.count:
@@ -532,7 +532,7 @@ class UndoHistory:
         brush = vars(BrushLoad.of(self._surface))
         return _equal(vars(delta.brush), brush) and _equal(part.kept, self._kept)
 
-    def _add(self, part: Part | Painting) -> None:
+    def _add(self, part: Part | PaintedPart) -> None:
         """Add a part to the current step, if there is one."""
         if self._undone:
             self._since.parts.append(part)
@@ -650,11 +650,11 @@ class UndoHistory:
         """Bring the surface to the other end of a step, and invert the step."""
         if not step.parts:
             return np.empty(0, np.int32)
-        back: list[Part | Painting] = []
+        back: list[Part | PaintedPart] = []
         touched: list[AnyArray] = [np.empty(0, np.int32)]
         water = self._recorder.water
         for part in reversed(step.parts):
-            if isinstance(part, Painting):
+            if isinstance(part, PaintedPart):
                 painting, ids, water = self._exchange_painting(part, water)
                 back.append(painting)
             else:
@@ -664,7 +664,7 @@ class UndoHistory:
             touched.append(ids)
         step.parts = back
         ids = self._union(touched)
-        if all(isinstance(part, Painting) for part in back):
+        if all(isinstance(part, PaintedPart) for part in back):
             self._recorder.accept(ids, water)
         else:  # another layer may be active
             self._recorder.restart()
@@ -672,8 +672,8 @@ class UndoHistory:
         return ids
 
     def _exchange_painting(
-        self, part: Painting, water: Mapping[str, AnyArray] | None
-    ) -> tuple[Painting, AnyArray, Mapping[str, AnyArray] | None]:
+        self, part: PaintedPart, water: Mapping[str, AnyArray] | None
+    ) -> tuple[PaintedPart, AnyArray, Mapping[str, AnyArray] | None]:
         """Exchange one painting; return its inverse, the touched vertices, and the new water."""
         delta = self._read(part)
         if isinstance(delta, PackedDelta):
@@ -681,12 +681,12 @@ class UndoHistory:
         kept = self._keep()
         back, ids = delta.exchange(self._surface, water)
         self._restore(part.kept)
-        return Painting(back, kept, back.n_bytes), ids, delta.flow
+        return PaintedPart(back, kept, back.n_bytes), ids, delta.flow
 
     def _steps(self) -> list[Step]:
         return [*self._done, self._since, *self._undone]
 
-    def _read(self, part: Painting) -> SurfaceDelta | PackedDelta:
+    def _read(self, part: PaintedPart) -> SurfaceDelta | PackedDelta:
         """Return the delta of a part, from memory or from disk."""
         return self._file.read(part.delta) if isinstance(part.delta, _DiskRange) else part.delta
 
@@ -709,7 +709,7 @@ class UndoHistory:
         return tuple(self._done), self._since, tuple(self._undone)
 
     def packed(self, step: Step, place: int, flows: dict[int, PackedFlow]) -> PackedDelta:
-        """Return a `Painting` of a step in packed form, and keep it so in memory.
+        """Return a `PaintedPart` of a step in packed form, and keep it so in memory.
 
         Parameters
         ----------
@@ -720,7 +720,7 @@ class UndoHistory:
             Flows packed so far, by the identity of the unpacked one; added to.
         """
         part = step.parts[place]
-        assert isinstance(part, Painting), "only a painting holds a delta"
+        assert isinstance(part, PaintedPart), "only a painting holds a delta"
         delta = self._read(part)
         if isinstance(delta, PackedDelta):
             return delta
@@ -733,7 +733,7 @@ class UndoHistory:
                 self._water = packed_flow, flow
         packed = pack_delta(delta, self._vertex_numbers(), packed_flow)
         if not isinstance(part.delta, _DiskRange):
-            step.parts[place] = Painting(packed, part.kept, packed.n_bytes)
+            step.parts[place] = PaintedPart(packed, part.kept, packed.n_bytes)
         return packed
 
     def resume(self, done: Sequence[Step], since: Step, undone: Sequence[Step]) -> None:
@@ -747,19 +747,19 @@ class UndoHistory:
     def _spill(self, aside: Sequence[Step] = ()) -> None:
         """Write parts beyond the memory budget to disk, farthest from the present first."""
         n_bytes = self.n_bytes + sum(
-            part.n_bytes for step in aside for part in step.parts if isinstance(part, Painting)
+            part.n_bytes for step in aside for part in step.parts if isinstance(part, PaintedPart)
         )
         for step in [*aside, *self._done[:-1], *self._undone[:-1]]:
             for k, part in enumerate(step.parts):
                 if n_bytes <= self.memory_budget:
                     return
                 if (
-                    isinstance(part, Painting)
+                    isinstance(part, PaintedPart)
                     and not isinstance(part.delta, _DiskRange)
                     and part.n_bytes
                 ):
                     n_bytes -= part.n_bytes
-                    step.parts[k] = Painting(self._file.write(part.delta), part.kept, 0)
+                    step.parts[k] = PaintedPart(self._file.write(part.delta), part.kept, 0)
 
 
 def _equal(one: object, two: object) -> bool:
@@ -782,7 +782,7 @@ class _DiskRange:
 
 
 @dataclass(frozen=True, eq=False)
-class Painting:
+class PaintedPart:
     """A delta, the painter's state with it, and the memory of the delta in bytes."""
 
     delta: SurfaceDelta | PackedDelta | _DiskRange
@@ -796,7 +796,7 @@ class Step:
 
     label: object
     number: int
-    parts: list[Part | Painting] = field(default_factory=list)
+    parts: list[Part | PaintedPart] = field(default_factory=list)
 
 
 class _StepFile:

@@ -36,7 +36,7 @@ from paint3d.surface.undo import (
     BrushLoad,
     PackedDelta,
     PackedFlow,
-    Painting,
+    PaintedPart,
     Step,
     UndoHistory,
     is_by_vertex,
@@ -119,7 +119,7 @@ def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -
     stacks = [part for part in parts if isinstance(part, StackState)]
     kinds = np.full(len(parts), -1, np.int32)
     kinds[[isinstance(part, StackState) for part in parts]] = np.arange(len(stacks))
-    deltas = [chosen.packed[id(part)] for part in parts if isinstance(part, Painting)]
+    deltas = [chosen.packed[id(part)] for part in parts if isinstance(part, PaintedPart)]
     state = {
         "version": UNDO_VERSION,
         "done": len(chosen.done),
@@ -142,7 +142,7 @@ def undo_state(surface: PaintedSurface, history: UndoHistory, most_bytes: int) -
         state,
         [step.label for step in chosen.done],
         [step.label for step in reversed(chosen.undone)],
-        [part.kept for part in parts if isinstance(part, Painting)],
+        [part.kept for part in parts if isinstance(part, PaintedPart)],
     )
 
 
@@ -169,7 +169,7 @@ def _nearest(history: UndoHistory, most_bytes: int) -> _Chosen:
         own = {}
         for place, part in enumerate(step.parts):
             left -= _STEP_BYTES
-            if not isinstance(part, Painting):
+            if not isinstance(part, PaintedPart):
                 continue
             delta = history.packed(step, place, flows)
             own[id(step.parts[place])] = delta
@@ -218,7 +218,7 @@ def _columns(deltas: Sequence[PackedDelta], n_pigments: int) -> State:
         **pack_arrays("dry_vertices", [d.dry.vertex_ids for d in deltas], np.int32),
         **pack_arrays("dry_spectra", [d.dry.spectra for d in deltas], np.uint16, (N_BANDS,)),
         **pack_arrays("dry_amounts", [_wide(d.dry.amounts, *p) for d in deltas], np.float32, p),
-        **pack_arrays("dry_share", [d.dry.share for d in deltas], np.float32),
+        **pack_arrays("dry_share", [d.dry.coverage for d in deltas], np.float32),
         **pack_arrays("stations", [_wide(d.brush.reservoirs, *p) for d in deltas], np.float64, p),
         "load": _rows([_wide(d.brush.load[None], *p) for d in deltas], n_pigments),
         "off_surface": _rows([_wide(d.brush.off_surface[None], *p) for d in deltas], n_pigments),
@@ -361,7 +361,7 @@ def _parts(
     stacks: Sequence[StackState],
     deltas: Sequence[PackedDelta],
     kept: Sequence[Any],
-) -> Iterator[StackState | Painting]:
+) -> Iterator[StackState | PaintedPart]:
     """Return the parts of all steps, in order."""
     if kinds.max(initial=-1) >= len(stacks) or kinds.min(initial=0) < -1:
         raise SessionError(
@@ -370,7 +370,7 @@ def _parts(
             most=kinds.max(),
             n=len(stacks),
         )
-    paintings = (Painting(d, k, d.n_bytes) for d, k in zip(deltas, kept, strict=True))
+    paintings = (PaintedPart(d, k, d.n_bytes) for d, k in zip(deltas, kept, strict=True))
     return (stacks[kind] if kind >= 0 else next(paintings) for kind in kinds)
 
 
@@ -420,8 +420,8 @@ def _stacks(surface: PaintedSurface, state: ReadState) -> list[StackState]:
                 raise SessionError("a layer is blended by {blend!r:.40}", blend=blend)
         if len(looks) not in (0, len(own)):
             raise SessionError("{n} looks are for {own} layers", n=len(looks), own=len(own))
-        told = rest[1] if len(rest) > 1 else [None] * len(own)
-        groups = tuple(None if group is None else read_group(group) for group in told)
+        saved = rest[1] if len(rest) > 1 else [None] * len(own)
+        groups = tuple(None if group is None else read_group(group) for group in saved)
         if len(groups) != len(own):
             raise SessionError("{n} groups are for {own} layers", n=len(groups), own=len(own))
         stack.know_groups(groups)
@@ -628,7 +628,7 @@ def _check_course(
             for part in reversed(step.parts):
                 if isinstance(part, StackState):
                     active = part.active
-                elif isinstance(part, Painting) and isinstance(part.delta, PackedDelta):
+                elif isinstance(part, PaintedPart) and isinstance(part.delta, PackedDelta):
                     dried[active] = _exchange_ids(dried[active], part.delta.dry)
 
 

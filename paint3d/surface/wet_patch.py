@@ -15,12 +15,12 @@ from paint3d.surface.flow_graph import with_room
 from paint3d.surface.ink_store import InkStore
 from paint3d.surface.kernels.diffusion import give_back, mark_news
 from paint3d.surface.kernels.wet_step import WetFields
-from paint3d.surface.pores import Pores, close_pores, even_exp, find_pores, mobility_of
+from paint3d.surface.pores import Pores, clog_pores, even_exp, find_pores, mobility_of
 
 __all__ = ["FIRST_PACE", "WetPatch"]
 
 _KEPT = ("water", "inside", "soaked", "laid", "pigment", "fine", "loose")
-_OF_PLACES = ("written", "share")
+_OF_PLACES = ("written", "part")
 _OF_NODES = (
     *_KEPT, "changed", "is_held", "residual", "strength", "sieve", "catch", "entry_depth", "entry",
     "dry_entry", "conductance", "place", "bare_entry_depth", "bare_conductance",
@@ -48,13 +48,13 @@ class WetPatch:
     totals, residual, strength, entry : (N,) float64
         Of `surface.kernels.diffusion`, varied by the grain.
     sieve : (N,) float64
-        Potential above which the pores let all pigment pass.
+        Potential from which on pores pass coarse pigment at full speed, mm3/s.
     catch : (N,) float64
         Fraction of the fine pigment arriving through its pores that a node holds back.
     bare_entry_depth, bare_conductance : (N,) float64
         `entry_depth` and `conductance` (factors on the conductance) as they would be without glue.
     entry_depth : (N,) float64
-        Depth, mm, to which a dry node fills before water advances.
+        Depth, mm, at which a dry node is soaked.
     water : (N,) float64
         Depth, mm.
     pigment : (N, P) float64
@@ -111,7 +111,7 @@ class WetPatch:
         self.inside, self.soaked, self.laid = np.zeros((3, 0), np.float32)
         self.pigment, self.fine, self.loose = np.zeros((3, 0, count))
         self._find_mobility()
-        self.written, self.share = np.zeros((0, count), np.float32), np.zeros(0)
+        self.written, self.part = np.zeros((0, count), np.float32), np.zeros(0)
         self.weights, self.totals = np.zeros(0), np.zeros(0)
         self._n_nodes = self._n_links = 0
         self._seen = (store.dry_layers, store.dry_layers.changes)
@@ -218,14 +218,14 @@ class WetPatch:
         graph = self.graph
         now = self._store.ink.amounts[graph.vertices[at]]
         change = (now - self.written[at]).astype(np.float64)
-        node, share = graph.node_of[at], self.share[at]
+        node, part = graph.node_of[at], self.part[at]
         depths = [WET_COAT_MM if p is WATER else WET_INK_MM for p in self._store.pigments]
         came = np.zeros(len(at))
         for column, depth in enumerate(depths):  # see `fibre_relief`: no product of matrices
             came += np.maximum(change[:, column], 0.0) * depth
         went = np.maximum(-change, 0.0).sum(axis=1)
         before = self.written[at].sum(axis=1, dtype=np.float64)
-        kept = 1.0 - share * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
+        kept = 1.0 - part * np.divide(went, before, out=np.zeros_like(went), where=before > 0)
         np.multiply.at(self.water, node, kept)
         is_water = np.array([p is WATER for p in self._store.pigments])
         coats = np.maximum(change[:, ~is_water], 0.0).sum(axis=1)
@@ -240,9 +240,9 @@ class WetPatch:
         thick = np.divide(coats, _THICK * liquid, out=np.ones_like(came), where=liquid > 0.0)
         thin = np.maximum(0.0, 1.0 - thick * thick)
         under_tuft = np.unique(node[with_ink & (came > _FRESH * liquid)])
-        np.add.at(self.water, node, share * added)
-        np.add.at(self.laid, node, (share * came).astype(np.float32))
-        self._add_pigment(node, share[:, None] * change, thin)
+        np.add.at(self.water, node, part * added)
+        np.add.at(self.laid, node, (part * came).astype(np.float32))
+        self._add_pigment(node, part[:, None] * change, thin)
         self.written[at] = now
         for column, pigment in enumerate(self._store.pigments):
             if pigment is WATER:  # it is now depth of water, no longer an amount
@@ -322,7 +322,7 @@ class WetPatch:
         self._store.settle(ids[painted])
         dry = self._store.dry_layers
         self._seen = (dry, dry.changes)
-        self._close_pores(nodes)
+        self._clog_pores(nodes)
         self._weigh(nodes)
         self._store.touch(ids[~painted])
         ink.amounts[ids] = came
@@ -331,7 +331,7 @@ class WetPatch:
 
     @contextmanager
     def held(self, nodes: AnyArray) -> Iterator[None]:
-        """Let no water run from or to nodes (N,) meanwhile: a tuft lies there."""
+        """Stop the water from and to nodes (N,) meanwhile: a tuft lies there."""
         self.is_held[nodes] = True
         self._weigh(nodes)
         try:
@@ -411,12 +411,12 @@ class WetPatch:
                 pores.entry_depth,
                 pores.conductance,
             )
-            self._close_pores(np.arange(nodes.start, nodes.stop))
+            self._clog_pores(np.arange(nodes.start, nodes.stop))
             # Each vertex has the fraction of its node's area that is its own.
             first = np.searchsorted(graph.node_of[: graph.n_places], nodes.start)
             places = slice(int(first), graph.n_places)
             areas = self._store.paint_mesh.vertex_areas[graph.vertices[places]]
-            self.share[places] = areas / graph.area[graph.node_of[places]]
+            self.part[places] = areas / graph.area[graph.node_of[places]]
         links = slice(self._n_links, graph.n_links)
         if self._n_links < graph.n_links:
             self._weigh_links(np.arange(links.start, links.stop))
@@ -425,8 +425,8 @@ class WetPatch:
             self.totals[: graph.n_nodes] += own
         self._n_nodes, self._n_links = graph.n_nodes, graph.n_links
 
-    def _close_pores(self, nodes: AnyArray) -> None:
-        """Close the pores of nodes (N,) by the glue of the ink that has dried there."""
+    def _clog_pores(self, nodes: AnyArray) -> None:
+        """Clog the pores of nodes (N,) by the glue of the ink that has dried there."""
         store, graph = self._store, self.graph
         first = np.searchsorted(graph.node_of[: graph.n_places], nodes)
         row = store.dry_layers.rows_of(graph.vertices[first])
@@ -434,7 +434,7 @@ class WetPatch:
         if (row >= 0).any():
             glue[row >= 0] = store.dry_layers.amounts[row[row >= 0]].sum(axis=1)
         pores = Pores(*(getattr(self, name)[nodes] for name in _OF_PORES))
-        entry_depth, entry, conductance = close_pores(pores, self.material, glue)
+        entry_depth, entry, conductance = clog_pores(pores, self.material, glue)
         self.entry_depth[nodes], self.dry_entry[nodes], self.conductance[nodes] = (
             entry_depth,
             entry,
@@ -449,7 +449,7 @@ class WetPatch:
             return
         self._seen = (dry, dry.changes)
         before = self.conductance.copy()
-        self._close_pores(np.arange(self._n_nodes))
+        self._clog_pores(np.arange(self._n_nodes))
         self._weigh(np.flatnonzero(self.conductance != before))
 
     def _weigh(self, nodes: AnyArray) -> None:

@@ -23,15 +23,8 @@ from paint3d.brush.footprint import make_footprint
 from paint3d.brush.spec import BrushSpec
 from paint3d.brush_engine.bristles.bend import Bristles
 from paint3d.brush_engine.footprint import PROFILE_CELLS
-from paint3d.brush_engine.tuft import (
-    OUTLINE_CAPACITY,
-    SCRATCH_SIZE,
-    STATIONS,
-    Tuft,
-    greatest_descent,
-    trace_outline,
-    trace_spine,
-)
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
+from paint3d.brush_engine.tuft import STATIONS, Tuft, greatest_descent, trace_spine
 from paint3d.colour.materials import Material, load_material
 from paint3d.colour.pigments import Pigment
 from paint3d.core.arrays import AnyArray, cross

@@ -181,7 +181,7 @@ class LiveBrush:
         self._draw(name, rings, np.concatenate([colours, columns], axis=2), faces)
 
     def _set_solid(self, name: str, dense: AnyArray) -> bool:
-        """Have a part drawn as solid if all of it is; whether it is."""
+        """Draw a part as solid if all of it is; return whether it is."""
         is_solid = bool(dense.min() > _SOLID)
         actor = self._parts[name].actor
         actor.SetForceOpaque(is_solid)

@@ -53,7 +53,7 @@ class LiveEdges:
         radial = mesh.arrays.radial if self._radial is None else self._radial
         fresh = self._fresh_faces(faces)
         shares = self._shares
-        codes = self._surface.share_codes(inked)
+        codes = self._surface.coverage_codes(inked)
         moved = inked[codes != shares.painted[inked]]
         shares.painted[inked] = codes
         beside = (shares.painted[fresh] > 0) | (shares.smooth[fresh] > 0.0)

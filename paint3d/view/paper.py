@@ -130,7 +130,7 @@ class Paper:
         self._declared = f"const bool QUICK = {str(quick).lower()};\n{_CONSTANTS}{SHADER}"
 
     def add_to(self, actor: Any, declared: str = "") -> None:
-        """Have the shader of an actor know `paper` and `in_grain`, after `declared`.
+        """Add `paper` and `in_grain` to the shader of an actor, after `declared`.
 
         What it calls them for reads `surfacePlace`, mm, and none of it may be within a branch.
         """
@@ -159,7 +159,7 @@ class Paper:
 
 
 def show_paper(actor: Any, mesh: Any, places: AnyArray, paper: Paper, *, codes: bool) -> None:
-    """Have the actor of a mesh show paper.
+    """Show paper on the actor of a mesh.
 
     Parameters
     ----------

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.bristles.bend import share_pulls
+from paint3d.brush_engine.bristles.bend import clump_pulls
 from paint3d.brush_engine.bristles.state import PARTED, SPLIT
 from paint3d.brush_engine.footprint import PROFILE_CELLS, Stamp, make_stamp
 from paint3d.brush_engine.placement import place_stamp
@@ -273,7 +273,7 @@ def _clumps(painter: Painter, pose: AnyArray, values: AnyArray) -> Clumps | None
     stays = math.exp(-max(float(values["descent"]), 0.0) / hairs.bristles.set_mm)
     x, y = float(hairs.memory[0]), float(hairs.memory[1])
     pulls = np.empty(3)
-    share_pulls(float(hairs.memory[PARTED]), float(hairs.memory[SPLIT]), pulls)
+    clump_pulls(float(hairs.memory[PARTED]), float(hairs.memory[SPLIT]), pulls)
     return Clumps(
         hairs.bristles.clumps,
         pulls,

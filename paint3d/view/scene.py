@@ -44,8 +44,8 @@ __all__ = [
     "draw_flat",
     "draw_scene",
     "join_pixels",
+    "opengl_errors",
     "quiet_vtk",
-    "told_of_opengl",
 ]
 
 BACKDROP = np.array([0.238, 0.226, 0.210])  # linear light of the backdrop far from the object
@@ -137,7 +137,7 @@ class SceneDrawing:
 
     def __enter__(self) -> Self:
         scene = self._scene
-        with quiet_vtk(), told_of_opengl():
+        with quiet_vtk(), opengl_errors():
             self._canvas = _Canvas(linear_to_srgb(BACKDROP))
             try:
                 self._object = _lit_object(scene, self._gloss)
@@ -201,7 +201,7 @@ class SceneDrawing:
         width, height = self._size
         shown = self._scene.vertices if self._last is None else self._changed
         box = x0, y0, x1, y1 = _box_of(shown, self._scene.camera, self._size)
-        with quiet_vtk(), told_of_opengl():
+        with quiet_vtk(), opengl_errors():
             if self._behind is None and self._transparent:
                 self._behind = np.zeros((height, width, 4), np.uint8)
             elif self._behind is None:
@@ -266,7 +266,7 @@ class _Canvas:
 
 
 @contextmanager
-def told_of_opengl() -> Iterator[None]:
+def opengl_errors() -> Iterator[None]:
     """Raise an ExportError of one line where OpenGL cannot be started."""
     try:
         yield
@@ -424,7 +424,7 @@ def _box_of(points: AnyArray, camera: Camera, size: tuple[int, int]) -> tuple[in
 def _place_camera(
     renderer: Any, eye: Camera, box: tuple[int, int, int, int], size: tuple[int, int]
 ) -> None:
-    """Have a renderer show a box of the picture that a camera takes."""
+    """Point a renderer at a box of the picture that a camera takes."""
     (x0, y0, x1, y1), (width, height), camera = box, size, renderer.GetActiveCamera()
     camera.SetPosition(*eye.position)
     camera.SetFocalPoint(*eye.focus)
@@ -557,7 +557,7 @@ class FlatDrawing:
         self._drawn: DrawnMesh | None = None
 
     def __enter__(self) -> Self:
-        with quiet_vtk(), told_of_opengl():
+        with quiet_vtk(), opengl_errors():
             self._canvas = _Canvas(np.ones(3))
             self._canvas.window.SetSize(*self._size)
             self._canvas.window.SetMultiSamples(SAMPLES_A_PIXEL)
@@ -574,7 +574,7 @@ class FlatDrawing:
         Edges are drawn sharp each time or never.
         """
         seen = (vertices @ self._frame.axes.T).astype(np.float32)
-        with quiet_vtk(), told_of_opengl():
+        with quiet_vtk(), opengl_errors():
             if self._drawn is None:
                 drawn = self._drawn = DrawnMesh()
                 drawn.actor.GetProperty().SetLighting(False)

@@ -183,7 +183,7 @@ class DrawnMesh:
         self._attributes[name] = sent, held
 
     def read_attributes(self) -> None:
-        """Have shaders read the attributes set so far, each as `in float name`."""
+        """Declare the attributes set so far in the shaders, each as `in float name`."""
         points = 0  # VTK's FIELD_ASSOCIATION_POINTS
         for name in self._attributes:
             self._mapper.MapDataArrayToVertexAttribute(name, name, points, -1)

@@ -16,10 +16,10 @@ from shapely import LineString
 from paint3d.app.model.commands import encode_command, replay_command
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, Symmetry
-from paint3d.app.model.repainting import Repainter
 from paint3d.app.model.score.playing import painted, score_of_strokes
 from paint3d.app.model.score.stepping import cues_of
 from paint3d.app.model.stroke_log import Stroke, strokes_of, weights_of
+from paint3d.app.model.stroke_recall import StrokeRecall
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import DipAmount
 from paint3d.calligraphy.flying_white import with_ink
@@ -538,7 +538,7 @@ def test_a_tip_in_hand_is_there_still_when_old_strokes_were_painted_again(
         def fail(_: object) -> None:
             raise InputError("no")
 
-        monkeypatch.setattr(Repainter, "repeat", lambda self, strokes: fail(strokes))
+        monkeypatch.setattr(StrokeRecall, "repeat", lambda self, strokes: fail(strokes))
     with pytest.raises(InputError) if fails else nullcontext():
         document.recall_strokes()
     ours = held(document.surface)

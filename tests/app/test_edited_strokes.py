@@ -294,13 +294,16 @@ def test_a_journal_of_before_edits_of_several_is_done_again() -> None:
     same(snap(documents[0]), snap(documents[1]))
 
 
-def test_a_journal_that_numbered_strokes_and_seals_from_0_is_done_again() -> None:
+@pytest.mark.parametrize(
+    ("strokes", "seal"), [("numbers", "number"), ("places", "place"), ("indices", "index")]
+)
+def test_a_journal_that_called_indices_otherwise_is_done_again(strokes: str, seal: str) -> None:
     surface = small_plane().surface
     edit = {"do": "delete"}
-    line = {"do": "edit_strokes", "numbers": [2], "edit": edit}
-    assert decode_command(line, surface)[2] == {"places": [2], "edit": edit}
-    line = {"do": "edit_seal", "number": 1, "edit": edit}
-    assert decode_command(line, surface)[2] == {"place": 1, "edit": edit}
+    line = {"do": "edit_strokes", strokes: [2], "edit": edit}
+    assert decode_command(line, surface)[2] == {"indices": [2], "edit": edit}
+    line = {"do": "edit_seal", seal: 1, "edit": edit}
+    assert decode_command(line, surface)[2] == {"index": 1, "edit": edit}
 
 
 def test_a_painting_that_was_saved_is_edited_on(tmp_path) -> None:

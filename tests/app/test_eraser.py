@@ -93,7 +93,7 @@ def test_batches_make_no_difference_and_a_mirror_erases_too() -> None:
     np.testing.assert_array_equal(found[0], found[1])
     np.testing.assert_array_equal(found[0], found[2])
     vertices = document.surface.paint_mesh.vertices[: len(found[0])]
-    bare = document.surface.share_painted()[: len(vertices)]
+    bare = document.surface.painted_coverage()[: len(vertices)]
     for x in (-BESIDE, BESIDE):
         spot = (np.abs(vertices[:, :2] - [x, 0.0]) < 0.5).all(axis=1)
         assert bare[spot].max() < 0.05
@@ -109,7 +109,7 @@ def test_wet_ink_dries_first_and_does_not_come_back() -> None:
     document.let_time_pass(5.0)
     vertices = document.surface.paint_mesh.vertices[: document.surface.n_vertices]
     spot = (np.abs(vertices[:, :2] - [BESIDE, 0.0]) < 0.5).all(axis=1)
-    assert document.surface.share_painted()[: len(vertices)][spot].max() < 0.05
+    assert document.surface.painted_coverage()[: len(vertices)][spot].max() < 0.05
     close(document)
 
 
@@ -151,7 +151,7 @@ def test_a_recording_of_a_pen_that_was_turned_over_erases_again(tmp_path) -> Non
     assert [bool(stroke.tags.get(ERASES)) for stroke in onto.strokes] == [False, True, False]
     for surface in (document.surface, painter.surface, onto.surface):
         vertices = surface.paint_mesh.vertices[: surface.n_vertices]
-        shares = surface.share_painted()[: len(vertices)]
+        shares = surface.painted_coverage()[: len(vertices)]
         at = {y: (np.abs(vertices[:, :2] - [BESIDE, y]) < 0.5).all(axis=1) for y in (0.0, 18.0)}
         assert shares[at[0.0]].max() < 0.05
         assert shares[at[18.0]].max() > 0.5

@@ -23,7 +23,7 @@ from paint3d.app.model.input.symmetry import (
     transform_samples,
 )
 from paint3d.brush.presets import brush_names, load_brush
-from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
 from paint3d.core.quaternion import matrices_from_quaternions, rotate
 from paint3d.errors import BrushError, InputError
 from paint3d.files.load import load_mesh
@@ -690,14 +690,14 @@ def kinds(said):
 
 def test_one_finger_paints_from_where_and_when_it_came_down():
     said = said_by((0, {1: (10, 10)}), (8, {1: (14, 10)}), (16, {1: (30, 10)}), (24, {}))
-    assert kinds(said) == ["press", "move", "move", "lift"]
+    assert kinds(said) == ["press", "move", "move", "release"]
     assert [(one.time_ns // MS, one.x) for one in said] == [(0, 10), (8, 14), (16, 30), (24, 30)]
 
 
 def test_a_dab_is_a_press_and_a_lift():
-    assert kinds(said_by((0, {1: (10, 10)}), (60, {}))) == ["press", "lift"]
+    assert kinds(said_by((0, {1: (10, 10)}), (60, {}))) == ["press", "release"]
     held = said_by((0, {1: (10, 10)}), (130, {1: (11, 10)}), (200, {}))
-    assert kinds(held) == ["press", "move", "lift"]
+    assert kinds(held) == ["press", "move", "release"]
 
 
 @pytest.mark.parametrize("count", [2, 3])
@@ -744,9 +744,9 @@ def test_a_second_finger_soon_takes_the_stroke_back_and_later_is_passed_over():
     late = said_by(
         *began, (400, {1: (60, 10), 2: (200, 10)}), (420, {1: (80, 10), 2: (200, 10)}), (450, {})
     )
-    assert kinds(late) == ["press", "move", "move", "move", "lift"]
+    assert kinds(late) == ["press", "move", "move", "move", "release"]
     lifted = said_by(*began, (400, {1: (60, 10), 2: (9, 9)}), (420, {2: (9, 9)}), (450, {}))
-    assert kinds(lifted) == ["press", "move", "move", "lift"]
+    assert kinds(lifted) == ["press", "move", "move", "release"]
 
 
 def test_a_finger_that_stays_begins_nothing_new():
@@ -754,13 +754,13 @@ def test_a_finger_that_stays_begins_nothing_new():
         (0, {1: (0, 0), 2: (90, 0)}), (20, {1: (30, 0), 2: (120, 0)}), (40, {2: (120, 0)}),
         (60, {2: (150, 50)}), (80, {}), (100, {3: (5, 5)}), (110, {}),
     )  # fmt: skip
-    assert kinds(said) == ["pinch", "press", "lift"]
+    assert kinds(said) == ["pinch", "press", "release"]
     fingers = Fingers()
     fingers.follow(0, {1: (0, 0)})
     assert kinds(fingers.follow(10 * MS, {1: (50, 0)})) == ["press", "move"]
     assert kinds(fingers.cancel(20 * MS)) == ["cancel"]
     assert kinds(fingers.follow(30 * MS, {4: (0, 0)})) == []
-    assert kinds(fingers.follow(40 * MS, {})) == ["press", "lift"]
+    assert kinds(fingers.follow(40 * MS, {})) == ["press", "release"]
 
 
 # -- times of events ---------------------------------------------------------------------------

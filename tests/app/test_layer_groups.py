@@ -73,10 +73,10 @@ def test_edges_are_drawn_by_what_shows_of_a_group(document) -> None:
     document.add_group(1, 2)
     document.set_visible(0, False)
     ids = np.arange(document.surface.n_vertices, dtype=np.int32)
-    whole = document.surface.layers.share_at(ids)
+    whole = document.surface.layers.coverage_at(ids)
     assert whole.max() > 0.9
     document.set_group_opacity(1, 0.25)
-    np.testing.assert_allclose(document.surface.layers.share_at(ids), 0.25 * whole, rtol=1e-6)
+    np.testing.assert_allclose(document.surface.layers.coverage_at(ids), 0.25 * whole, rtol=1e-6)
 
 
 def test_a_group_that_multiplies_darkens(document) -> None:

@@ -60,7 +60,7 @@ def test_the_monkey_sees_what_goes_wrong(program, work: Path, monkeypatch) -> No
 
     window.workspace.actions["frame_all"].triggered.connect(raising)
     monkeypatch.setattr(monkey, "rest", break_it)
-    monkeypatch.setattr(window.hand, "lift", lambda: setattr(window.hand, "in_stroke", False))
+    monkeypatch.setattr(window.hand, "end_stroke", lambda: setattr(window.hand, "in_stroke", False))
     monkey.actions = {"rest": 1.0}
     faults = monkey.run(2)
     monkey.close()

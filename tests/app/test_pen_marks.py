@@ -24,12 +24,8 @@ from paint3d.app.window.hand import canvas as canvases
 from paint3d.app.window.studio import StudioWindow
 from paint3d.brush.bending import LOWEST_TILT, build_tuft
 from paint3d.brush.footprint import make_footprint
-from paint3d.brush_engine.tuft import (
-    OUTLINE_CAPACITY,
-    SCRATCH_SIZE,
-    greatest_descent,
-    trace_outline,
-)
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
+from paint3d.brush_engine.tuft import greatest_descent
 from paint3d.cli.sources import lay_on
 from paint3d.core.quaternion import matrices_from_quaternions
 from paint3d.files.load import load_mesh

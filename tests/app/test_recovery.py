@@ -247,7 +247,7 @@ def test_what_was_undone_and_is_in_a_file_is_not_offered(tmp_path):
     for opened in (document, Document.open(tmp_path / "a.p3d")):
         if opened is document:
             sitting.name_file(opened)
-            sitting.turn_page(opened)
+            sitting.rotate_journal(opened)
             sitting.save_base(opened)
         else:
             sitting = RecoveryFolder(opened, tmp_path / "sittings")
@@ -395,7 +395,7 @@ def test_a_page_is_turned_before_its_base_is_there(tmp_path):
     document.feed(samples)
     sitting.note({"do": "end_stroke"})
     document.end_stroke()
-    sitting.turn_page(document)
+    sitting.rotate_journal(document)
     sitting.note({"do": "undo"})
     sitting.note({"do": "redo"})
     sitting.close(keep=True)
@@ -414,7 +414,7 @@ def test_turning_the_page_waits_for_no_disk(tmp_path, monkeypatch):
     monkeypatch.setattr("os.open", _refuse)  # making a file may have to wait, too
     try:
         sitting.note({"do": "undo"})
-        sitting.turn_page(document)
+        sitting.rotate_journal(document)
         sitting.note({"do": "redo"})
         _, events, _ = read_events(sitting.folder / "journal-2.p3dj")
         assert events[-1] == {"do": "redo"}
@@ -619,7 +619,7 @@ def test_what_lies_behind_a_damage_is_counted(tmp_path, damage):
     sitting = RecoveryFolder(document, tmp_path)
     sitting.note({"do": "begin_stroke"})
     sitting.append(line((-20, 0), (20, 0)))
-    sitting.turn_page(document)  # the base that was to follow did not come
+    sitting.rotate_journal(document)  # the base that was to follow did not come
     sitting.append(line((-20, 0), (20, 0)))
     sitting.close(keep=True)
     first = sitting.folder / "journal-1.p3dj"
@@ -645,7 +645,7 @@ def test_a_sitting_ends_when_all_its_journals_have(tmp_path, monkeypatch):
         "paint3d.files.project.journal.flush_file",
         lambda file: time.sleep(0.5 if os.fstat(file).st_ino == which else 0.0),
     )
-    sitting.turn_page(document)
+    sitting.rotate_journal(document)
     sitting.close(keep=True)
     assert set(threading.enumerate()) <= before
 
@@ -852,7 +852,7 @@ class Steps:
         self.recovery.name_file(self.document)
 
     def keep(self) -> None:
-        self.recovery.turn_page(self.document)
+        self.recovery.rotate_journal(self.document)
         self.check()
         self.recovery.save_base(self.document)
 
@@ -862,7 +862,7 @@ class Steps:
 
         with pytest.MonkeyPatch.context() as patch, suppress(ExportError):
             patch.setattr(self.document, "save_copy", full)
-            self.recovery.turn_page(self.document)
+            self.recovery.rotate_journal(self.document)
             self.recovery.save_base(self.document)
 
     def set_the_clock_back(self) -> None:

@@ -96,7 +96,7 @@ def everything(document):
     return {
         "codes": surface.srgb.copy(), "amounts": surface.amounts.copy(),
         "coverage": surface.coverage.copy(), "dried": dry.vertex_ids[order],
-        "spectra": dry.spectra[order], "share": dry.share[order], "water": depth,
+        "spectra": dry.spectra[order], "share": dry.coverage[order], "water": depth,
         "load": ink.load.copy(), "off": ink.off_surface.copy(), "reservoirs": ink.reservoirs.copy(),
         "transfer": np.array(ink.transfer[BRUSH_TRANSFER].tolist()), "hairs": hairs,
         "layers": np.array([layer.name for layer in document.layers]),

@@ -18,6 +18,7 @@ from paint3d.app.model import paint_thread as paint_threads
 from paint3d.app.model.commands import COMMANDS, decode_arguments, encode_line
 from paint3d.app.model.document import Document
 from paint3d.app.model.input.symmetry import MirrorPlane, RadialSymmetry, Symmetry
+from paint3d.app.model.laid_text import LaidText
 from paint3d.app.model.mask import AngleMask, Mask, RegionPick
 from paint3d.app.model.paint_thread import PaintThread
 from paint3d.app.model.score import playing
@@ -44,8 +45,10 @@ from paint3d.recording.score import (
     load_score,
     save_score,
     schema,
+    undo_kinds,
     write_score,
 )
+from paint3d.recording.score_steps import follow_steps
 from paint3d.surface.painted_surface import PaintedSurface
 from tests.support.app.hands import UPRIGHT, line, paint, same_vertices, small_plane
 from tests.support.cases import long_but
@@ -347,6 +350,69 @@ def test_the_registry_the_document_and_recordings_know_the_same_commands() -> No
     }  # a score has the outcome, and nothing of how it is looked at
     assert set(command_names()) == changing - unwritten
     assert all(callable(getattr(Document, name)) for name in changing)
+
+
+SQUARE = [[(-2, -2), (2, -2), (2, 2), (-2, 2)]]
+ARGUMENTS = {  # of every command that changes a painting, on `of_everything`
+    "undo": (), "redo": (), "cancel_stroke": (), "dip": ("cinnabar",), "rinse": (), "wipe": (0.5,),
+    "swap_inks": (), "pick_colour": (0,), "dry": (), "blot": (), "add_layer": ("new",),
+    "remove_layer": (1,), "rename_layer": (1, "new"), "duplicate_layer": (1,), "merge_layer": (2,),
+    "add_group": (0, 0), "ungroup": (1,), "begin_stroke": (), "end_stroke": (), "lift": (),
+    "follow_time": (0.05,), "let_time_pass": (0.05,), "set_brush": ("feibai",),
+    "scale_brush": (1.1,), "resize_brush": (30.0,), "step_brush": (1,),
+    "set_azimuth": ("dragged",), "set_pickup": (0.1,),
+    "set_symmetry": (Symmetry((), RadialSymmetry(3)),), "set_mask": (Mask(None, (RegionPick(0),)),),
+    "set_tags": (), "set_reference": ({},), "set_views": ({},), "set_light": ("studio", 0.0),
+    "select_layer": (0,), "move_layer": (0, 2), "set_opacity": (1, 0.5),
+    "set_blend": (1, "multiply"), "set_visible": (1, False), "duplicate_group": (1,),
+    "move_group": (1, 0), "remove_group": (1,), "set_group_opacity": (1, 0.5),
+    "set_group_blend": (1, "multiply"), "rename_group": (1, "new"), "set_group_visible": (1, False),
+    "set_group_folded": (1,), "set_locked": (1,), "lay_text": (LaidText("二").words(),),
+    "remove_text": (0,), "press_seal": (SQUARE, (0.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
+    "replay_history": (1,), "edit_strokes": ([1], {"do": "ink", "ink": "cinnabar"}),
+    "edit_seal": (0, {"do": "delete"}),
+}  # fmt: skip
+IN_A_STROKE = {"end_stroke", "cancel_stroke", "lift"}
+
+
+def of_everything() -> Document:
+    """A stroke, a group of layers, a text, and a stroke in the group."""
+    document = small_plane(4.0, material="porcelain")
+    paint(document, (-2, -10), (2, -10), n=6)
+    document.add_layer("二")
+    document.add_layer("三")
+    document.add_group(1, 2, "group")
+    document.lay_text(LaidText("永").words())
+    paint(document, (-2, 5), (2, 8), n=6)
+    return document
+
+
+@pytest.mark.parametrize("name", [name for name, row in COMMANDS.items() if row.codec is not None])
+def test_every_command_makes_the_step_of_undo_that_its_row_and_its_line_say(name: str) -> None:
+    """Or an edit of strokes reaches the wrong stroke, once somebody has undone that."""
+    row, document = COMMANDS[name], of_everything()
+    if name == "edit_seal":
+        document.press_seal(*ARGUMENTS["press_seal"])
+    if name in IN_A_STROKE:
+        document.begin_stroke()
+        document.feed(line((0, -18), (3, -18), n=6, t0=10**10))
+    steps = list(document.steps.done)
+    getattr(document, name)(*ARGUMENTS[name])
+    if name in ("edit_strokes", "edit_seal"):  # what follows was painted anew
+        assert document.edits.has_any
+    elif row.undo_label:
+        assert document.steps.done == [*steps, row.undo_label]
+    elif name not in ("undo", "replay_history", "cancel_stroke", "begin_stroke"):
+        assert document.steps.done == steps
+    known = command_names()
+    assert (undo_kinds().get(name) in ("step", "layers")) == bool(row.undo_label and name in known)
+    if document.in_stroke:
+        document.end_stroke()
+    document.undo()
+    there = follow_steps(document.score)
+    assert [len(there.done), len(there.undone)] == [
+        len(document.strokes), len(document.undone_strokes)
+    ]  # fmt: skip
 
 
 def test_a_score_on_another_object_is_told_where_it_does_not_fit() -> None:

@@ -37,7 +37,7 @@ def document() -> Document:
 
 def state(document: Document):
     surface = document.surface
-    return surface.srgb.copy(), surface.share_painted(), surface.wet_ink(), surface.dry_ink()
+    return surface.srgb.copy(), surface.painted_coverage(), surface.wet_ink(), surface.dry_ink()
 
 
 def same(one, other) -> None:
@@ -225,7 +225,7 @@ def test_a_seal_is_pressed_where_one_clicks_and_is_one_step(window) -> None:
     wait_for(lambda: window.document.steps.done == ["seal"])
     settled(window)
     surface = window.document.surface
-    where = surface.mesh.vertices[surface.share_painted() > 0.5]
+    where = surface.mesh.vertices[surface.painted_coverage() > 0.5]
     middle = 0.5 * (where.min(axis=0) + where.max(axis=0))
     np.testing.assert_allclose(middle, window.hand.place(), atol=1.0)
     assert np.ptp(where[:, 0]) == pytest.approx(16.0, abs=1.2)
@@ -411,7 +411,7 @@ def test_a_seal_in_the_history_is_moved_inked_and_deleted(window) -> None:
 def test_a_small_seal_is_sharp_on_a_coarse_sheet() -> None:
     surface = paint3d.PaintedSurface(paint3d.load_mesh("plane"), 0.8, "xuan")
     paint3d.Painter(surface, ink="cinnabar").seal("永和九年", at=(0.5, 0.5), size=10.0)
-    share = surface.share_painted()
+    share = surface.painted_coverage()
     vertices = surface.mesh.vertices
     under = (np.abs(vertices[:, :2]) < 5.0).all(axis=1)
     assert np.sqrt(100.0 / under.sum()) < 0.1  # mm from vertex to vertex

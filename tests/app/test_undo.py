@@ -54,7 +54,7 @@ def state(surface, painter, n, columns):
         "dried": dry.vertex_ids.copy(),
         "spectra": dry.spectra.copy(),
         "dried_amounts": wide(dry.amounts, columns),
-        "dried_share": dry.share.copy(),
+        "dried_share": dry.coverage.copy(),
         "load": np.pad(ink.load, (0, columns - len(ink.load))),
         "off": np.pad(ink.off_surface, (0, columns - len(ink.off_surface))),
         "reservoirs": wide(ink.reservoirs, columns),
@@ -247,7 +247,7 @@ def test_rows_that_were_taken_back_are_as_new_for_what_dries_next():
 
     once, again = dried(False), dried(True)
     np.testing.assert_array_equal(again.amounts, once.amounts)
-    np.testing.assert_array_equal(again.share, once.share)
+    np.testing.assert_array_equal(again.coverage, once.coverage)
 
 
 @pytest.mark.parametrize("memory", [0, 1 << 30])

@@ -119,7 +119,7 @@ def test_a_seal_is_turned_anticlockwise(folder: Path) -> None:
         assert run("--svg", "t.svg", "--on", "plane", "--at", "0.5,0.5", "--rotate", turn,
                    "--resolution", "0.4", "--out", f"{turn}.p3d", "--quiet") == 0  # fmt: skip
         surface = Document.open(f"{turn}.p3d").surface
-        share = surface.share_painted()
+        share = surface.painted_coverage()
         x, y, _ = surface.mesh.vertices.T @ share / share.sum()
         middles[turn] = (x - surface.mesh.vertices[:, 0].mean(), y)
     xs, ys = zip(*middles.values(), strict=True)

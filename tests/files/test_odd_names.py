@@ -16,7 +16,7 @@ import trimesh
 
 from paint3d.app.model.studies.plan import load_plan, make_plan, save_plan
 from paint3d.cli import main
-from paint3d.cli.results import Painting, write_report
+from paint3d.cli.results import PaintingResult, write_report
 from paint3d.colour.materials import load_material
 from paint3d.files.export import EXPORT_SUFFIXES, export
 from paint3d.files.load import load_mesh
@@ -91,7 +91,9 @@ def test_mesh_recording_and_report_of_any_name(tmp_path, capsys) -> None:
     assert found.name == NO_UTF8
     surface = PaintedSurface(found, resolution=3.0)
     file = tmp_path / f"{NO_UTF8}.json"
-    write_report(file, Painting(surface, {"object": found.name, "samples": 0}, {"paint": 0.0}))
+    write_report(
+        file, PaintingResult(surface, {"object": found.name, "samples": 0}, {"paint": 0.0})
+    )
     assert json.loads(file.read_text("utf-8"))["object"] == NO_UTF8
     missing = str(tmp_path / f"{NO_UTF8} no.jsonl")
     told = ["replay", missing, "--on", str(mesh), "--out", str(tmp_path / "a.ply")]

@@ -126,7 +126,7 @@ def test_oil_soot_dries_glossier_than_pine_soot():
         surface.dry()
     assert pine.wet_look is None
     rough = oil.wet_look.roughness(0.95)
-    there = oil.share_painted() > 0.5
+    there = oil.painted_coverage() > 0.5
     assert rough[there].max() < 0.75
     assert (rough[~there] == np.float32(0.95)).all()
 
@@ -140,7 +140,7 @@ def test_on_glaze_ink_is_glossy_while_wet_and_matt_when_dry(tmp_path):
     pine.dry()
     rough = pine.wet_look.roughness(glaze)
     assert rough[there].min() > MATT_ROUGHNESS - 0.01
-    assert (rough[pine.share_painted() == 0.0] == np.float32(glaze)).all()
+    assert (rough[pine.painted_coverage() == 0.0] == np.float32(glaze)).all()
     between = oil.wet_look.roughness(glaze)[there]
     assert glaze + 0.1 < between.min()
     assert between.max() < MATT_ROUGHNESS - 0.1

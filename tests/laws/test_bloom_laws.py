@@ -398,7 +398,7 @@ def around(surface: PaintedSurface) -> tuple[NDArray, NDArray, NDArray]:
     graph = surface.flow_graph
     n, links = graph.n_nodes, slice(graph.n_links)
     first = graph.vertices[np.searchsorted(graph.node_of[: graph.n_places], np.arange(n))]
-    ink, within = everything(surface)[first], surface.share_painted()[first] >= 0.5
+    ink, within = everything(surface)[first], surface.painted_coverage()[first] >= 0.5
     there = graph.links[links]
     owner, inked, there = graph.owner[links], within[there] & (ink[there] > 1e-3), ink[there]
     weights = graph.weights[links]

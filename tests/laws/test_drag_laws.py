@@ -15,10 +15,7 @@ from numpy.typing import NDArray
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.footprint import make_footprint
 from paint3d.brush.presets import load_brush
-from paint3d.brush_engine.footprint import make_stamp
-from paint3d.brush_engine.placement import place_stamp
-from paint3d.brush_engine.scratch import Scratch, make_scratch
-from paint3d.brush_engine.tuft import (
+from paint3d.brush_engine.drag import (
     drag_along,
     drag_length,
     drag_step,
@@ -27,6 +24,9 @@ from paint3d.brush_engine.tuft import (
     release,
     trail_step,
 )
+from paint3d.brush_engine.footprint import make_stamp
+from paint3d.brush_engine.placement import place_stamp
+from paint3d.brush_engine.scratch import Scratch, make_scratch
 from paint3d.calligraphy.centre_line import centre_line, outline_field
 from paint3d.calligraphy.footprint_table import FootprintTable, tabulate_footprints
 from paint3d.calligraphy.path_fit import PathFitter, PlanSettings

@@ -455,7 +455,7 @@ def test_the_dragged_tip_trails(tilt):
 
 def test_a_dragged_corner_follows_the_tractrix():
     """tan(delta / 2) falls as exp(-s / l) after a right corner."""
-    from paint3d.brush_engine.tuft import drag_length
+    from paint3d.brush_engine.drag import drag_length
 
     painter = paint(plane(), azimuth="dragged")
     slack = drag_length(0.4 * FULL_PRESS, LENGTH, painter.tuft.drag_fraction)

@@ -136,7 +136,7 @@ def test_ink_refines_a_sheet_only_where_it_falls() -> None:
 def test_a_seal_is_placed_by_shares_of_the_paper_of_a_mounted_sheet() -> None:
     surface = paint3d.PaintedSurface(load_mesh("scroll:100x140:mounted"), 1.0)
     touched = paint3d.Painter(surface, ink="cinnabar").seal("永", at=(0.2, 0.25), size=12.0)
-    where = surface.mesh.vertices[surface.share_painted() > 0.5]
+    where = surface.mesh.vertices[surface.painted_coverage() > 0.5]
     middle = 0.5 * (where.min(axis=0) + where.max(axis=0))
     np.testing.assert_allclose(middle[:2], [-30.0, -35.0], atol=0.5)
     assert touched > 0.8

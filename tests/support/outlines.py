@@ -7,7 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from paint3d.brush_engine.tuft import OUTLINE_CAPACITY, SCRATCH_SIZE, Tuft, trace_outline
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
+from paint3d.brush_engine.tuft import Tuft
 
 UPRIGHT = 0.5 * math.pi
 

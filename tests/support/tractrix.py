@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from paint3d.brush_engine.tuft import drag_along
+from paint3d.brush_engine.drag import drag_along
 from paint3d.core.arrays import AnyArray, as_array, as_number
 from paint3d.errors import BrushError
 

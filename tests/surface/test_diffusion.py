@@ -24,7 +24,7 @@ from paint3d.surface.kernels.diffusion import activate_cells
 from paint3d.surface.kernels.grain import fill_grain
 from paint3d.surface.kernels.wet_graph import grade_paces, group_blocks
 from paint3d.surface.kernels.wet_step import (
-    TOO_LITTLE_ROOM,
+    WORKSPACE_TOO_SMALL,
     Absorption,
     WetFields,
     Workspace,
@@ -36,7 +36,7 @@ from paint3d.surface.wet_patch import WetPatch
 
 XUAN = load_material("xuan")
 SMOOTH = dataclasses.replace(XUAN, grain=0.0)
-ROOM = Workspace(np.full(100_000, np.nan), np.full(50_000, -7, np.int32))
+WORKSPACE = Workspace(np.full(100_000, np.nan), np.full(50_000, -7, np.int32))
 
 
 def grid(size: float, spacing: float) -> TriangleMesh:
@@ -373,12 +373,12 @@ def test_no_new_extremes_at_any_step(step):
     given = (fields, nodes, nodes[:0], Absorption(0.06, 10.0, 1.0, 0.06, 1.0), step, np.ones(1))
     before = water.copy()
     for little in (
-        Workspace(ROOM.floats[:500], ROOM.ints),
-        Workspace(ROOM.floats, ROOM.ints[:200]),
+        Workspace(WORKSPACE.floats[:500], WORKSPACE.ints),
+        Workspace(WORKSPACE.floats, WORKSPACE.ints[:200]),
     ):
-        assert move_water(*given, little) == TOO_LITTLE_ROOM
+        assert move_water(*given, little) == WORKSPACE_TOO_SMALL
     np.testing.assert_array_equal(water, before)
-    assert move_water(*given, ROOM) > 0
+    assert move_water(*given, WORKSPACE) > 0
     assert not fields.place.any()
     assert water.min() >= 0.0
     assert water @ area == pytest.approx(volume, rel=1e-12)
@@ -412,7 +412,7 @@ def test_no_node_gives_more_than_it_has_to_many_neighbours(flows_in):
     )  # fmt: skip
     nodes = np.arange(n, dtype=np.int32)
     absorbs = Absorption(0.06, 10.0, 1.0, 0.06, 1.0)
-    assert move_water(fields, nodes, nodes[:0], absorbs, 0.01, np.ones(1), ROOM) > 0
+    assert move_water(fields, nodes, nodes[:0], absorbs, 0.01, np.ones(1), WORKSPACE) > 0
     assert (pigment[1:] > 0.0).all()
     for part in (pigment, fields.fine, fields.loose):
         assert part.min() >= 0.0
@@ -422,12 +422,12 @@ def test_no_node_gives_more_than_it_has_to_many_neighbours(flows_in):
 def test_memory_to_work_in_grows_as_it_must_and_is_given_back(monkeypatch):
     found = []
     for least, most in ((1 << 18, 1 << 24), (1 << 8, 1 << 12)):
-        monkeypatch.setattr(flows, "_ROOM", least)
-        monkeypatch.setattr(flows, "_MOST_ROOM", most)
+        monkeypatch.setattr(flows, "_WORKSPACE", least)
+        monkeypatch.setattr(flows, "_MOST_WORKSPACE", most)
         monkeypatch.setattr(flows, "work_memory", flows.WorkMemory())
         surface = drop(PaintedSurface(grid(12, 0.5), None, SMOOTH), 2.0)
         surface.diffuse(1.0)
-        assert len(flows.work_memory.room.floats) == least
+        assert len(flows.work_memory.workspace.floats) == least
         found.append(surface.amounts)
     np.testing.assert_array_equal(*found)
 
@@ -459,7 +459,7 @@ def test_work_grows_with_the_root_of_the_time():
             Absorption(0.06, 10.0, 0.8, 0.06, 1.0),
             step,
             np.zeros(1),
-            ROOM,
+            WORKSPACE,
         )
         stages.append(move_water(*given))
         assert 0.05 - 1e-12 <= water.min() <= water.max() <= 0.055 + 1e-12

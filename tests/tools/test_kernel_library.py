@@ -15,8 +15,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from paint3d.brush_engine.drag import drag_length
 from paint3d.brush_engine.stroke_loop import paint_samples
-from paint3d.brush_engine.tuft import drag_length
 from paint3d.colour.kernels.kubelka_munk import layer_bands
 from paint3d.core import kernel
 from paint3d.core.kernel_library import FOLDER, INDEX, Library, library

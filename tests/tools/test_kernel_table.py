@@ -122,7 +122,7 @@ def test_all_that_the_table_names_is_there_and_takes_what_it_says() -> None:
     assert len(checked_table().entries) > 60
 
 
-DRAG = "brush_engine.tuft.drag_length"
+DRAG = "brush_engine.drag.drag_length"
 TAKES = "descent float, length_mm float, fraction float"
 TREE = "order i4[:], boxes f4[:,:], triangles i4[:,:], points f4[:,:], normals f4[:,:]"
 
@@ -130,7 +130,7 @@ TREE = "order i4[:], boxes f4[:,:], triangles i4[:,:], points f4[:,:], normals f
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        (f"{DRAG}x: {TAKES}", ":1: paint3d.brush_engine.tuft.drag_lengthx is not there"),
+        (f"{DRAG}x: {TAKES}", ":1: paint3d.brush_engine.drag.drag_lengthx is not there"),
         (f"brush_engine.drug.run: {TAKES}", "No module named 'paint3d.brush_engine.drug'"),
         ("core.arrays.as_array: a f8[:], b f8[:]", "is no kernel: expected one decorated"),
         (
@@ -138,7 +138,7 @@ TREE = "order i4[:], boxes f4[:,:], triangles i4[:,:], points f4[:,:], normals f
             f":2: paint3d.{DRAG}: expected (descent, length_mm, fraction), as it takes, "
             "got (descent, length_mm)",
         ),
-        (f"{DRAG}: {TAKES}\n\n{DRAG}: {TAKES}", ":3: paint3d.brush_engine.tuft.drag_length stands"),
+        (f"{DRAG}: {TAKES}\n\n{DRAG}: {TAKES}", ":3: paint3d.brush_engine.drag.drag_length stands"),
         (
             f"tuple mesh.kernels.bvh.ContactTree: {TREE[:-16]}",
             ":1: paint3d.mesh.kernels.bvh.ContactTree: expected (order, boxes, triangles, points, "

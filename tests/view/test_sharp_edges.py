@@ -52,7 +52,7 @@ def paint_band(surface: PaintedSurface, turn: float, offset: float, width: float
 
 
 def edges_of(surface: PaintedSurface) -> Edges:
-    shares = edge_shares(surface.paint_mesh.leaf_faces(), surface.share_codes())
+    shares = edge_shares(surface.paint_mesh.leaf_faces(), surface.coverage_codes())
     return Edges(surface.bare_codes, shares)
 
 
@@ -277,5 +277,5 @@ def test_what_is_followed_is_what_would_be_computed_anew(places) -> None:
         surface.touch(ids)
         edges.follow(surface.refresh())
     every = np.arange(surface.n_vertices, dtype=np.int32)
-    anew = edge_shares(surface.paint_mesh.leaf_faces(), surface.share_codes())
+    anew = edge_shares(surface.paint_mesh.leaf_faces(), surface.coverage_codes())
     np.testing.assert_allclose(edges.shares(every), anew, atol=1.0)

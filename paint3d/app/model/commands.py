@@ -94,6 +94,9 @@ class Command:
         is a drag that begins beside the object.
     icon : str
         See `app.window.theme`; empty for none.
+    tool : int
+        Where it stands in the tool bar: its part, from 1, and its position in that, as two digits;
+        0 for nowhere.
     menu, group : str
         Where it stands; empty for nowhere. The group of its shortcuts is the menu by default.
     checkable : bool
@@ -121,6 +124,7 @@ class Command:
     drag: Sequence[str] = ()
     tap: Sequence[str] = ()
     icon: str = ""
+    tool: int = 0
     menu: str = ""
     group: str = ""
     checkable: bool = False
@@ -178,8 +182,8 @@ _TABLE: tuple[_Row, ...] = (
     *_menu(
         "file",
         Command("new", "New painting…", ["Ctrl+N"], icon="new", always=True),
-        Command("open", "Open…", ["Ctrl+O"], icon="open", always=True),
-        Command("save", "Save", ["Ctrl+S"], icon="save"),
+        Command("open", "Open…", ["Ctrl+O"], icon="open", tool=11, always=True),
+        Command("save", "Save", ["Ctrl+S"], icon="save", tool=12),
         Command("save_as", "Save as…", ["Ctrl+Shift+S"]),
         Command("export", "Export…", ["Ctrl+E"], icon="export"),
         _PART,
@@ -187,7 +191,9 @@ _TABLE: tuple[_Row, ...] = (
         Command("turntable", "Turntable…", ["Ctrl+Shift+E"], icon="orbit"),
         Command("growth", "Film of the painting growing…"),
         _PART,
-        Command("record", "Record", ["Ctrl+R"], icon="record", group="stroke", checkable=True),
+        Command(
+            "record", "Record", ["Ctrl+R"], icon="record", tool=53, group="stroke", checkable=True
+        ),
         Command("replay", "Replay", ["Ctrl+Shift+R"], icon="play", group="stroke"),
         Command("save_recording", "Save the strokes as a recording…"),
         _PART,
@@ -195,13 +201,23 @@ _TABLE: tuple[_Row, ...] = (
     ),
     *_menu(
         "edit",
-        Command("undo", "Undo", ["Ctrl+Z"], tap=["Fingers 2"], icon="undo", codec=PLAIN, cost=50.0),
+        Command(
+            "undo",
+            "Undo",
+            ["Ctrl+Z"],
+            tap=["Fingers 2"],
+            icon="undo",
+            tool=21,
+            codec=PLAIN,
+            cost=50.0,
+        ),
         Command(
             "redo",
             "Redo",
             ["Ctrl+Shift+Z", "Ctrl+Y"],
             tap=["Fingers 3"],
             icon="redo",
+            tool=22,
             codec=PLAIN,
             cost=50.0,
         ),
@@ -221,7 +237,9 @@ _TABLE: tuple[_Row, ...] = (
         Command("larger", "Larger brush", ["]"]),
         Command("smoothing", "Steady the stroke", ["Shift+S"], checkable=True, always=True),
         Command("ruler", "Ruler", ["U"], checkable=True, always=True),
-        Command("brush", "Show the brush", ["B"], icon="brush", checkable=True, always=True),
+        Command(
+            "brush", "Show the brush", ["B"], icon="brush", tool=52, checkable=True, always=True
+        ),
         _PART,
         *_brush_rows(),
         _PART,
@@ -230,26 +248,37 @@ _TABLE: tuple[_Row, ...] = (
     ),
     *_menu(
         "ink",
-        Command("dip", "Dip", ["D"], icon="dip", codec=DIP),
+        Command("dip", "Dip", ["D"], icon="dip", tool=31, codec=DIP),
         Command("dip_tip", "Dip the tip", ["Shift+D"]),
-        Command("rinse", "Rinse", ["R"], icon="rinse", codec=PLAIN),
+        Command("rinse", "Rinse", ["R"], icon="rinse", tool=32, codec=PLAIN),
         Command("wipe", "Wipe", ["W"], codec=PLAIN),
         Command("dip_water", "Dip in clear water", ["Shift+R"]),
-        Command("erase", "Erase", ["E"], icon="eraser", checkable=True),
+        Command("erase", "Erase", ["E"], icon="eraser", tool=33, checkable=True),
         _PART,
-        Command("swap_inks", "Swap inks", ["X"], icon="swap", codec=PLAIN, written_as="dip"),
-        Command("pick_colour", "Pick the ink", ["I"], icon="pick", codec=PLAIN, written_as="dip"),
+        Command(
+            "swap_inks", "Swap inks", ["X"], icon="swap", tool=34, codec=PLAIN, written_as="dip"
+        ),
+        Command(
+            "pick_colour",
+            "Pick the ink",
+            ["I"],
+            icon="pick",
+            tool=35,
+            codec=PLAIN,
+            written_as="dip",
+        ),
         _PART,
         Command("choose_colour", "Mix a colour…"),
         Command("open_pigments", "Open a table of pigments…"),
         Command("forget_pigments", "Remove own pigments"),
         _PART,
-        Command("wet", "Ink spreads and dries", icon="water", checkable=True),
+        Command("wet", "Ink spreads and dries", icon="water", tool=43, checkable=True),
         Command(
             "dry",
             "Let everything dry",
             ["Shift+W"],
             icon="dry",
+            tool=44,
             codec=PLAIN,
             undo_label=Message("dry"),
         ),
@@ -272,8 +301,8 @@ _TABLE: tuple[_Row, ...] = (
     ),
     *_menu(
         "stroke",
-        Command("mirror", "Mirror", ["M"], icon="mirror", checkable=True),
-        Command("radial", "Radial symmetry", ["Shift+M"], icon="radial", checkable=True),
+        Command("mirror", "Mirror", ["M"], icon="mirror", tool=41, checkable=True),
+        Command("radial", "Radial symmetry", ["Shift+M"], icon="radial", tool=42, checkable=True),
         _PART,
         Command("mask", "Mask", ["K"], icon="mask", checkable=True),
         Command("pick_region", "Mask the region under the pointer", ["Shift+K"]),
@@ -290,7 +319,7 @@ _TABLE: tuple[_Row, ...] = (
     ),
     *_menu(
         "view",
-        Command("frame_all", "Show everything", ["Home", "Num+5"], icon="frame"),
+        Command("frame_all", "Show everything", ["Home", "Num+5"], icon="frame", tool=51),
         Command("frame_selected", "Show what is under the pointer", ["F", "Num+."]),
         Command("nearer", "Nearer", ["+", "=", "Num++"]),
         Command("farther", "Farther", ["-", "Num+-"]),
@@ -395,7 +424,13 @@ _TABLE: tuple[_Row, ...] = (
     *_menu(
         "help",
         Command(
-            "shortcuts", "Keyboard shortcuts", ["?", "F1"], icon="help", group="window", always=True
+            "shortcuts",
+            "Keyboard shortcuts",
+            ["?", "F1"],
+            icon="help",
+            tool=54,
+            group="window",
+            always=True,
         ),
         Command("tour", "A short tour", always=True),
         Command("sample", "A sample painting", always=True),
@@ -470,14 +505,6 @@ _TABLE: tuple[_Row, ...] = (
     Command("edit_seal", codec=EDIT, undo_label=Message("edit")),
 )
 
-TOOLS = (
-    "open", "save", "-", "undo", "redo", "-", "dip", "rinse", "erase", "swap_inks",
-    "pick_colour", "-",
-    "mirror", "radial", "wet", "dry", "-", "frame_all", "brush", "record",
-    "shortcuts",
-)  # fmt: skip
-"""What stands in the tool bar; "-" parts it."""
-
 COMMANDS: Mapping[str, Command] = {row.name: row for row in _TABLE if isinstance(row, Command)}
 """All commands by name."""
 
@@ -496,6 +523,21 @@ def _menus() -> dict[str, tuple[str, ...]]:
 
 MENUS: Mapping[str, tuple[str, ...]] = _menus()
 """Menu to the names of its commands; "-" parts them."""
+
+
+def _tools() -> tuple[str, ...]:
+    names: list[str] = []
+    part = 0
+    for row in sorted((row for row in COMMANDS.values() if row.tool), key=lambda row: row.tool):
+        if part and row.tool // 10 != part:
+            names.append(_PART)
+        part = row.tool // 10
+        names.append(row.name)
+    return tuple(names)
+
+
+TOOLS = _tools()
+"""What stands in the tool bar; "-" parts it."""
 
 SHORTCUTS: tuple[Shortcut, ...] = tuple(
     Shortcut(keys, one.name, one.group or one.menu, gesture)
@@ -590,7 +632,7 @@ def decode_command(
     name = line.get("do")
     if name == "edit_stroke" and "number" in line:  # journals had one stroke's edits by themselves
         rest = {key: value for key, value in line.items() if key != "number"}
-        name, line = "edit_strokes", {**rest, "do": "edit_strokes", "places": [line["number"]]}
+        name, line = "edit_strokes", {**rest, "do": "edit_strokes", "indices": [line["number"]]}
     if not isinstance(name, str) or name not in COMMANDS or COMMANDS[name].codec is None:
         raise SessionError(
             "the journal asks for {name!r:.40}; expected what a document can do",

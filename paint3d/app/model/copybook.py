@@ -155,7 +155,7 @@ class Ghost:
         """
         side = self._side
         faces = surface.paint_mesh.leaf_faces()
-        coverage = surface.share_painted()
+        coverage = surface.painted_coverage()
         faces = faces[(coverage[faces] > 0.0).any(axis=1)]
         vertices = surface.paint_mesh.vertices
         used = np.unique(faces)
@@ -373,7 +373,7 @@ class Copybook:
 
     def note(self, stroke: Stroke, surface: PaintedSurface) -> CopybookMark | None:
         """Take a stroke that was painted; None where it belongs to no character."""
-        indices = self._count(stroke, is_over=True).places
+        indices = self._count(stroke, is_over=True).indices
         if not indices:
             return None
         index = indices[-1]
@@ -395,7 +395,7 @@ class Copybook:
         with other._keeping:
             self.marks = dict(other.marks)
             self._counted = {
-                k: replace(one, places=list(one.places)) for k, one in other._counted.items()
+                k: replace(one, indices=list(one.indices)) for k, one in other._counted.items()
             }
             for ghost, before in zip(self.ghosts, other.ghosts, strict=True):
                 ghost.strokes = list(before.strokes)
@@ -435,7 +435,7 @@ class Copybook:
         with self._keeping:
             self._counted[id(stroke)] = counted
             counted.n_samples += min(step * n_looked, len(samples))
-            counted.places += indices
+            counted.indices += indices
             for index in indices:
                 self.ghosts[index].strokes.append(stroke)
         return counted
@@ -447,7 +447,7 @@ class _Counted:
 
     stroke: Stroke  # held: its id stands for it
     n_samples: int = 0
-    places: list[int] = field(default_factory=list)
+    indices: list[int] = field(default_factory=list)
 
 
 def _split_by_lifts(path: BrushPath, *, is_over: bool) -> tuple[list[tuple[int, int]], int]:

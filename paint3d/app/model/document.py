@@ -40,7 +40,6 @@ from paint3d.app.model.persistence.saved_settings import (
     saved_painter,
     saved_unit,
 )
-from paint3d.app.model.repainting import Repainter, dips_of, names_of
 from paint3d.app.model.score.codecs import InkTable, Vocabulary, encode_brush
 from paint3d.app.model.score.recorder import ScoreRecorder, recorded
 from paint3d.app.model.score.stepping import play
@@ -56,6 +55,7 @@ from paint3d.app.model.stroke_log import (
     weights_of,
 )
 from paint3d.app.model.stroke_painter import StrokePainter
+from paint3d.app.model.stroke_recall import StrokeRecall, dips_of, named_dips
 from paint3d.brush.presets import load_brush
 from paint3d.brush.spec import BrushSpec, DipAmount
 from paint3d.colour.materials import Material
@@ -1419,7 +1419,7 @@ class Document:
         return bool(undone) and not isinstance(undone[-1], Stroke)
 
     def recording(self, first: int = 0) -> Recording | None:
-        """The strokes from number `first` on as one recording in the object's frame, with dips.
+        """The strokes from index `first` on as one recording in the object's frame, with dips.
 
         None if there are none.
         """
@@ -1476,15 +1476,15 @@ class Document:
         touched.append(self.surface.use_layers().painted_ids())
         strokes = self.strokes[:count]
         try:
-            again = Repainter(painter, self._undo, self.progress)
-            self._undo.prepend(lambda: again.make_bare(strokes[0]), lambda: again.repeat(strokes))
+            recall = StrokeRecall(painter, self._undo, self.progress)
+            self._undo.prepend(lambda: recall.make_bare(strokes[0]), lambda: recall.repeat(strokes))
             self._log.hold(len(self.strokes))
             if self._saved_at == 0:  # before all steps that there were
                 self._saved_at = self._undo.next_undo
         finally:
             touched += [self._undo.redo() for _ in range(n_done)]
-            now = painter.brush, names_of(dips_of(painter)), painter.amount
-            if now != (brush, names_of(dips), amount):
+            now = painter.brush, named_dips(dips_of(painter)), painter.amount
+            if now != (brush, named_dips(dips), amount):
                 painter.change_brush(brush)
                 for ink, reach in dips:  # the belly, and then the tip
                     painter.dip(ink, reach, amount if reach is None else None)
@@ -1499,16 +1499,15 @@ class Document:
 
     # Neither edit is `recorded`: the edited score replaces the one that was recorded.
 
-    def edit_strokes(self, places: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
+    def edit_strokes(self, indices: Sequence[int], edit: Mapping[str, Any]) -> AnyArray:
         """Edit strokes, several as one, and paint everything after the first anew: one undo step.
 
         Strokes that were undone to look at what was before come back first.
 
         Parameters
         ----------
-        places : sequence of int
-            Of the strokes, from 0, among `strokes` and, after them, `undone_strokes`; scores number
-            theirs from 1.
+        indices : sequence of int
+            Of the strokes among `strokes` and, after them, `undone_strokes`.
         edit : mapping
             See `score_edits.apply_stroke_edit`; the ink may be one in hand, the brush a
             `BrushSpec`, and the brushes of strokes that are scaled are theirs, scaled.
@@ -1524,7 +1523,7 @@ class Document:
             If no stroke is named or there is no such stroke, it is not known from the beginning
             what was painted, or the edit cannot be done; everything is as it was then.
         """
-        chosen = sorted(dict.fromkeys(places))
+        chosen = sorted(dict.fromkeys(indices))
         if not chosen:
             raise InputError("no stroke is chosen; expected one or several")
         score = self._score_to_edit()
@@ -1557,13 +1556,13 @@ class Document:
         lines = [score.events[seal.begin] for seal in follow_steps(score).seals]
         return [dict(line) for line in lines if not isinstance(line, Recording)]
 
-    def edit_seal(self, place: int, edit: Mapping[str, Any]) -> AnyArray:
+    def edit_seal(self, index: int, edit: Mapping[str, Any]) -> AnyArray:
         """Edit a seal, and paint everything after it anew: a step that can be undone.
 
         Parameters
         ----------
-        place : int
-            Of the seal, from 0, among those that are there; scores number theirs from 1.
+        index : int
+            Of the seal among those that are there.
         edit : mapping
             See `score_edits.apply_seal_edit`; the ink may be one in hand.
 
@@ -1581,18 +1580,18 @@ class Document:
         score = self._score_to_edit()
         seals = follow_steps(score).seals
         n_seals = self.n_seals
-        if not 0 <= place < len(seals) or len(seals) != n_seals:
+        if not 0 <= index < len(seals) or len(seals) != n_seals:
             raise InputError(
                 "seal {number} cannot be edited: the score has {count} seals, undo reaches {steps}",
-                number=place + 1,
+                number=index + 1,
                 count=len(seals),
                 steps=n_seals,
             )
         words = self._serialize_edit(edit, score)
-        edited = apply_seal_edit(score, place + 1, words)
+        edited = apply_seal_edit(score, index + 1, words)
         step = COMMANDS["press_seal"].undo_label
         return self._repaint_from(
-            edited, lambda: self._undo.done.count(step) > place, seals[place].begin
+            edited, lambda: self._undo.done.count(step) > index, seals[index].begin
         )
 
     def _score_to_edit(self) -> Score:

@@ -650,7 +650,7 @@ class PaintThread:
         with self._wake:
             if self._jobs:
                 return
-            turned = self._writer.turn_page()  # what comes from now on is in the next journal
+            turned = self._writer.rotate_journal()  # what comes from now on is in the next journal
             self._base_due = False
         self._base_time = time.monotonic()
         self._base_step = self._document.steps.newest
@@ -719,17 +719,17 @@ class _JournalWriter:
     Attributes
     ----------
     n_put : int
-        What was put since the page was turned.
+        What was put since the journal was rotated.
     has_gap, had_gap : bool
-        Whether something could not be written that only a base can make up for: on this page, and
-        on those before it when it was turned.
+        Whether something could not be written that only a base can make up for: in this journal,
+        and in those before it when it was rotated.
     """
 
     def __init__(
         self, recovery: RecoveryFolder, document: Document, report: Callable[[str, Exception], None]
     ) -> None:
         self.recovery = recovery
-        self._document = document  # what changes of it `turn_page` alone reads: painting waits
+        self._document = document  # what changes of it `rotate_journal` alone reads: painting waits
         self.n_put = 0
         self.has_gap = self.had_gap = False
         self._leaving = False  # what is written would be deleted
@@ -751,7 +751,7 @@ class _JournalWriter:
         """Write a fact about the last job; see `RecoveryFolder.note`."""
         self._queue.put(words)
 
-    def turn_page(self) -> Future[Any]:
+    def rotate_journal(self) -> Future[Any]:
         """Start a new journal for the jobs from now on."""
         turned: Future[Any] = Future()
         self.n_put = 0
@@ -771,7 +771,7 @@ class _JournalWriter:
             for turns, some in itertools.groupby(items, lambda item: isinstance(item, Future)):
                 if self._leaving:
                     continue
-                errors = (self._turn_pages if turns else self._write_all)(some)
+                errors = (self._rotate_journals if turns else self._write_all)(some)
                 if errors:  # painting goes on; it is reported once
                     if not broken:
                         self._report("keeping", errors[0])
@@ -801,12 +801,12 @@ class _JournalWriter:
             errors.append(error)
         return errors
 
-    def _turn_pages(self, items: Iterable[_Item]) -> list[Exception]:
+    def _rotate_journals(self, items: Iterable[_Item]) -> list[Exception]:
         errors: list[Exception] = []
         for turned in items:
-            assert isinstance(turned, Future), "they are asked for by `turn_page`"
+            assert isinstance(turned, Future), "they are asked for by `rotate_journal`"
             try:
-                self.recovery.turn_page(self._document)
+                self.recovery.rotate_journal(self._document)
             except Exception as error:
                 errors.append(error)
                 self.has_gap = True

@@ -217,7 +217,7 @@ class StrokeLog:
         self.strokes = [*self._before, *strokes]
 
     def recording(self, object_name: str, first: int = 0) -> Recording | None:
-        """Strokes from number `first` on, one after the other; dips are on their lifted samples.
+        """Strokes from index `first` on, one after the other; dips are on their lifted samples.
 
         They keep their times, and so the ink what passes between them.
         """

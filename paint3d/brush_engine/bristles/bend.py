@@ -24,8 +24,21 @@ from paint3d.core.arrays import zeros_on_lines
 from paint3d.core.kernel import kernel
 
 __all__ = [
-    "ARCS", "BEND", "BLOCK", "FLAT", "SAMPLES", "Bristles", "Cause", "bend_hairs", "fill_bend",
-    "find_clumps", "make_block", "make_points", "make_turned", "share_pulls", "turn_hairs",
+    "ARCS",
+    "BEND",
+    "BLOCK",
+    "FLAT",
+    "SAMPLES",
+    "Bristles",
+    "Cause",
+    "bend_hairs",
+    "clump_pulls",
+    "fill_bend",
+    "find_clumps",
+    "make_block",
+    "make_points",
+    "make_turned",
+    "turn_hairs",
 ]  # fmt: skip
 
 SAMPLES = 8  # points of a hair
@@ -42,7 +55,7 @@ _INSET_TO = (0.17, 0.3)  # of the length, from the tip: whole, and no more
 _REACHES = (0.35, 2.2)  # of the fall under its tip, what a pressed tuft makes up for at the least,
 # and how much less for the pressure
 _POINTED = 0.5  # of the way to the middles of its points: how far hairs of a split tuft come
-_LIFT = 0.5  # mm, what a hair of the upper side rides above the surface at the tip
+_LEAST_RIDE = 0.5  # mm, what a hair of the upper side rides above the surface at the tip
 
 _ZERO, _ONE, _FOUR, _TINY = np.float32([0.0, 1.0, 4.0, 1e-12])
 # A root and a division cost as much as all the rest of a piece: `arcp` and `afn` let the compiler
@@ -68,7 +81,7 @@ BEND = np.dtype(
     [
         ("height", "f8"),  # of the root of the tuft's spine over the plane, mm
         ("per_height", "f8"),  # one over the straight spine's height, 1/mm
-        ("first", "f8"),  # place in the table of the lowest of the three heights, root of a share
+        ("first", "f8"),  # column of the lowest of the three heights
         ("per_span", "f8"),  # one over how far it is from there to the highest
         ("ground", "f8", 3),  # surface under the hairs' bellies: constant, by b, by b^2
         ("patch", "f8", 6),  # surface: constant, by x, by y, by x^2, by x y, by y^2
@@ -94,21 +107,21 @@ BEND = np.dtype(
     ],
     align=True,
 )
-"""What the hairs of one imprint share; lengths in mm, and of each row the tip comes first."""
+"""Bend that all hairs of one imprint have in common; lengths in mm, rows from the tip."""
 
 FLAT = np.zeros(6)  # the patch of a plane
 FLAT.setflags(write=False)
 
 
 def _fit_cap(degree: int = 4) -> tuple[np.float32, ...]:
-    """What makes of (1 - x)^1.5 the share of a half disc of radius 1 beyond x: powers of x.
+    """Fit the part of a half disc of radius 1 beyond x, over (1 - x)^1.5, by powers of x.
 
-    Least squares at Chebyshev's nodes; within 1e-6 of the share (tested).
+    Least squares at Chebyshev's nodes; within 1e-6 of the fraction (tested).
     """
     x = 0.5 + 0.5 * np.cos(np.pi * (np.arange(200) + 0.5) / 200.0)
-    share = 1.0 - 2.0 / np.pi * (np.arcsin(x) + x * np.sqrt(1.0 - x * x))
+    fraction = 1.0 - 2.0 / np.pi * (np.arcsin(x) + x * np.sqrt(1.0 - x * x))
     weight = (1.0 - x) ** 1.5
-    powers = np.polynomial.polynomial.polyfit(x, share / weight, degree, w=weight + 1e-3)
+    powers = np.polynomial.polynomial.polyfit(x, fraction / weight, degree, w=weight + 1e-3)
     return tuple(powers.astype(np.float32))
 
 
@@ -135,14 +148,14 @@ class Bristles(NamedTuple):
     threshold_mm: float  # over the surface, within which a hair leaves ink
     parting: float  # how far clumps part when dry, 0 to 1
     splay: float  # how far a dry tuft's hairs lie side by side to their tips, 0 to 1
-    levelling_mm: float  # way over which neighbours share their ink
+    levelling_mm: float  # way over which neighbours exchange their ink
     root_mm: float  # diameter of the tuft
     bundle_mm: float  # breadth of the bundles that a dry stroke shows, at the belly
     set_mm: float  # descent over which a remembered bend is pressed out
 
 
 class Cause(NamedTuple):
-    """What the hairs of an imprint are bent by."""
+    """Cause of a bend: all that the shape of an imprint's hairs follows from."""
 
     descent: float  # D_s, mm
     tilt: float  # theta, rad
@@ -156,14 +169,14 @@ class Cause(NamedTuple):
 
 
 class _Place(NamedTuple):
-    """How high a tuft stands, and where in the tables it is read."""
+    """Height of a tuft, and the position in the tables at which its shape is read."""
 
     tall: float  # straight, mm
     height: float  # pressed as it is: of its root over the plane, mm
     row: int
-    share: float  # of the row after it
+    fraction: float  # of the row after it
     column: float  # of the whole tuft, in columns
-    per_column: float  # of the root of a height's share
+    per_column: float  # of the root of a height's fraction
 
 
 def make_block() -> NDArray:
@@ -183,7 +196,7 @@ def make_points(blocks: int) -> NDArray:
 
 @_elementwise
 def _find_even(row):
-    """Shares of the disc on this side of b, as places: pressed flat, hairs lie evenly."""
+    """Fractions of the disc on this side of b, as places: pressed flat, hairs lie evenly."""
     q0, q1, q2, q3, q4 = _CAP
     for j in range(BLOCK):
         b = row[BESIDE + j]
@@ -262,8 +275,8 @@ def _find_place(bristles, tuft, cause):
 
 @kernel(error_model="numpy")
 def _row(table, at, column, k):
-    """One number of the table at a place's tilt and a column."""
-    i, v = at.row, at.share
+    """Return one number of the table at a position's tilt and a column."""
+    i, v = at.row, at.fraction
     j = min(int(column), table.shape[1] - 2)
     u = column - j
     low = (1.0 - v) * ((1.0 - u) * table[i, j, k] + u * table[i, j + 1, k])
@@ -280,7 +293,7 @@ def _patch_at(patch, x, y):
 
 @kernel(error_model="numpy")
 def fill_bend(bristles, tuft, cause, bend):
-    """Everything that the hairs of one imprint share.
+    """Fill everything that the hairs of one imprint have in common.
 
     Parameters
     ----------
@@ -300,7 +313,7 @@ def fill_bend(bristles, tuft, cause, bend):
 
 
 @kernel(error_model="numpy")
-def _find_lift(bristles, length, pressed, at, side):
+def _find_departure(bristles, length, pressed, at, side):
     """The arc up to which the tuft's underside lies on the plane; `side` are its radii."""
     before = 0.0
     for k in range(1, SAMPLES):
@@ -308,15 +321,15 @@ def _find_lift(bristles, length, pressed, at, side):
         over = length * _row(bristles.shapes, at, at.column, SAMPLES + k)
         over -= side[k] / pressed * np.cos(angle)
         if over > 0.0:
-            share = before / (before - over) if before < 0.0 else 0.0
-            return length * (ARCS[k - 1] + share * (ARCS[k] - ARCS[k - 1]))
+            fraction = before / (before - over) if before < 0.0 else 0.0
+            return length * (ARCS[k - 1] + fraction * (ARCS[k] - ARCS[k - 1]))
         before = over
     return 0.0
 
 
 @kernel(error_model="numpy")
 def _shape_section(bristles, tuft, cause, at, bend):
-    """How thick and how broad the tuft is at its points, and how it leans; `wider` gets its radii.
+    """Fill the tuft's thickness, breadth and lean at its points; `wider` gets its radii.
 
     Also how many of its points may come down to the plane, of those that are not yet pressed.
     """
@@ -328,8 +341,8 @@ def _shape_section(bristles, tuft, cause, at, bend):
     fan_length = _row(bristles.fans, at, at.column, 1) * length
     pressed = 1.0 + (tuft.spread * cause.pressure if fan_length <= 0.0 else 0.0)
     bend.own = 0.0 if fan_length <= 0.0 else 1.0
-    lift = _find_lift(bristles, length, pressed, at, bend.side)
-    broad = 0.5 * round_diameter(tuft, lift) * pressed
+    departure = _find_departure(bristles, length, pressed, at, bend.side)
+    broad = 0.5 * round_diameter(tuft, departure) * pressed
     tilted = _row(bristles.shapes, at, at.column, 3 * SAMPLES - 1)
     bend.reach = _find_reach(length, at.height - radius * abs(np.cos(tilted)), bend.side)
     inset = _INSET * (bristles.hair_mm + (1.0 - dryness) * bristles.film_mm)
@@ -339,14 +352,14 @@ def _shape_section(bristles, tuft, cause, at, bend):
         sine, cosine = np.sin(angle), np.cos(angle)
         round_ = bend.side[k]
         # what spreads is the part that is pressed; above it the hairs gather into the ferrule
-        spread = 1.0 + (pressed - 1.0) * min(1.0, (length - arc) / (length - lift))
+        spread = 1.0 + (pressed - 1.0) * min(1.0, (length - arc) / (length - departure))
         thin = round_ / spread
         bend.wider[k] = round_
         bend.thin[k], bend.sine[k], bend.cosine[k] = thin, sine, cosine
         bend.offset_x[k], bend.offset_z[k] = -thin * sine, -thin * cosine
-        bend.ride[k] = max(thin, _LIFT) * (1.0 - ARCS[k])
+        bend.ride[k] = max(thin, _LEAST_RIDE) * (1.0 - ARCS[k])
         side = round_ * spread
-        if arc < lift:  # dry hairs do not come together in a point: they lie side by side
+        if arc < departure:  # dry hairs do not come together in a point: they lie side by side
             side += bristles.splay * dryness * (broad - side)
         side += np.tan(fan) * max(0.0, fan_length - arc)
         tip = min(1.0, max(0.0, (_INSET_TO[1] - ARCS[k]) / (_INSET_TO[1] - _INSET_TO[0])))
@@ -357,7 +370,7 @@ def _shape_section(bristles, tuft, cause, at, bend):
 
 
 @kernel
-def share_pulls(parted, split, out):
+def clump_pulls(parted, split, out):
     """Fill `out` (3,): how far hairs come to the middles of large and small clumps, and of points.
 
     From how far the tuft has parted and split, 0 to 1.
@@ -377,7 +390,7 @@ def _remember_bend(bristles, cause, bend):
         keep = free * free * stays
         bend.shift_x[k] = cause.set_x * keep
         bend.shift_y[k] = cause.set_y * keep
-    share_pulls(cause.parted, cause.split, bend.part)
+    clump_pulls(cause.parted, cause.split, bend.part)
     bend.flat = min(1.0, 3.0 * cause.pressure)
 
 
@@ -432,7 +445,7 @@ def _fit_curves(bristles, tuft, at, bend):
 
 @kernel(error_model="numpy")
 def _find_lags(bend):
-    """How far the lowest hairs lag behind the spine at its points: their way is longer than it.
+    """Fill the lag of the lowest hairs behind the spine at its points: their path is longer.
 
     The tuft's radii stand in `wider`; the lags are put there.
     """
@@ -454,7 +467,7 @@ def _find_lags(bend):
 
 @kernel(error_model="numpy")
 def _widen(tuft, bend):
-    """How much wider the tuft is where its lowest hairs' last points lie, from how far these lag.
+    """Widening of the tuft at the last points of its lowest hairs, from their lag.
 
     Near the tip the tuft widens fast: a hair that ends a millimetre behind it does not come to its
     point. Farther up it hardly matters.
@@ -465,17 +478,17 @@ def _widen(tuft, bend):
         i = k
         while i < SAMPLES - 2 and ARCS[i + 1] < at:
             i += 1
-        share = max(0.0, (at - ARCS[i]) / (ARCS[i + 1] - ARCS[i]))
+        fraction = max(0.0, (at - ARCS[i]) / (ARCS[i + 1] - ARCS[i]))
         if i == 0:
-            share = round_diameter(tuft, at * tuft.length)
-            share /= round_diameter(tuft, ARCS[1] * tuft.length)
-        side = bend.side[i] + share * (bend.side[i + 1] - bend.side[i])
-        bend.wider[k] = side - bend.side[k] if share > 0.0 else 0.0
+            fraction = round_diameter(tuft, at * tuft.length)
+            fraction /= round_diameter(tuft, ARCS[1] * tuft.length)
+        side = bend.side[i] + fraction * (bend.side[i + 1] - bend.side[i])
+        bend.wider[k] = side - bend.side[k] if fraction > 0.0 else 0.0
 
 
 @kernel(error_model="numpy")
 def _find_reach(length, lowest, side):
-    """How many points of the tuft's outermost hairs may come down to the plane.
+    """Count the points of the tuft's outermost hairs that may come down to the plane.
 
     `lowest` is how high the lowest root is, `side` are the tuft's radii.
     """
@@ -489,7 +502,7 @@ def _find_reach(length, lowest, side):
 
 @_elementwise
 def _start_block(bend, known, w, here):
-    """Where the hairs of a block stand between the three heights, and their roots."""
+    """Fill the positions of a block's hairs between the three heights, and their roots."""
     height, per_height = np.float32(bend.height), np.float32(bend.per_height)
     first, per_span = np.float32(bend.first), np.float32(bend.per_span)
     g0 = np.float32(bend.ground[0])
@@ -522,7 +535,7 @@ def _start_block(bend, known, w, here):
 
 @_elementwise
 def _piece(bend, k):
-    """What all hairs share on the way to their point k.
+    """Numbers that all hairs have in common on the way to their point k.
 
     Returns how far their curves lead ahead, and from the root up: constant, by t, by t^2, by a; how
     far the remembered bend leads ahead; their widths; and how high the root is.
@@ -552,14 +565,14 @@ def _piece(bend, k):
 
 @_elementwise
 def _place(curve, t, own, a, base):
-    """Where a hair's own curve leads in one direction."""
+    """Coordinate to which a hair's own curve leads in one direction."""
     c0, c1, c2, offset = curve
     return own * (c0 + t * (c1 + t * c2)) + (a * offset + base)
 
 
 @_elementwise
 def _aim(bend, k, known, w, above, here):
-    """Where the hairs' own curves lead over a plane, as steps from their last points."""
+    """Fill the steps of the hairs' own curves over a plane, from their last points."""
     ahead, sx, (side, wider, parting, sy), up, height = _piece(bend, k)
     ride = np.float32(bend.ride[k])
     for j in range(BLOCK):
@@ -669,7 +682,7 @@ def _lowest(here):
 
 
 @_elementwise
-def _lift(here):
+def _raise_to_plane(here):
     """Put points that are hardly under the plane on it."""
     for j in range(BLOCK):
         z = here[_Z + j]
@@ -753,5 +766,5 @@ def bend_hairs(rests, turned, bend, block, out):
                 if lowest > _FAR_UNDER:
                     _raise(rest, block, above, here)
                 elif lowest > _UNDER:
-                    _lift(here)
+                    _raise_to_plane(here)
             above = here

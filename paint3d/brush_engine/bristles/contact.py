@@ -40,7 +40,7 @@ __all__ = [
 # Rows of a block: what an imprint finds of its hairs.
 BEGIN, END = 0, BLOCK  # first and last place that touches, in points from the tip; END < 0: none
 HELD = 2 * BLOCK  # ink in the hair, coats x mm2
-GIVES = 3 * BLOCK  # how readily it gives; then the share of its ink that it gives
+GIVES = 3 * BLOCK  # how readily it gives; then the fraction of its ink that it gives
 DOT = 4 * BLOCK  # radius with its film, mm
 LAID = 5 * BLOCK  # what it would leave on a station of the map, as against the others
 THICK = 6 * BLOCK  # its width there, 0 where it does not give, mm
@@ -96,7 +96,7 @@ def _lay_flat(bend, here, clear):
 
 
 @_elementwise
-def _lift_off(here, clear):
+def _rise_over_plane(here, clear):
     """Clearance of points over the plane."""
     for j in range(BLOCK):
         clear[j] = here[_Z + j]
@@ -104,7 +104,7 @@ def _lift_off(here, clear):
 
 @_elementwise
 def _follow(at, z, before, piece, near, state):
-    """One more point of a hair from the tip: what is known of its first run on the surface."""
+    """Update the state of a hair's first run on the surface by one more point from the tip."""
     first, count, z_before, z_first, z_last, z_after, rise, seen, runs = state
     inside = z <= near
     starts = inside & (not seen)
@@ -175,8 +175,8 @@ def _find_ends(near, row, begins, ends):
     top = np.float32(SAMPLES - 1)
     for j in range(BLOCK):
         first, count = row[j], row[BLOCK + j]
-        share = (near - row[3 * BLOCK + j]) / (row[2 * BLOCK + j] - row[3 * BLOCK + j])
-        begins[j] = first - (share if first > _ZERO else _ZERO)
+        fraction = (near - row[3 * BLOCK + j]) / (row[2 * BLOCK + j] - row[3 * BLOCK + j])
+        begins[j] = first - (fraction if first > _ZERO else _ZERO)
         # a hair leaves the surface as a parabola that has the slope of its next point
         z_last, z_after, rise = row[4 * BLOCK + j], row[5 * BLOCK + j], row[6 * BLOCK + j]
         here = z_last if z_last > _ZERO else _ZERO
@@ -191,16 +191,19 @@ def _find_ends(near, row, begins, ends):
 
 
 @kernel(error_model="numpy")
-def _cubic(share, low, rise_low, high, rise_high):
+def _cubic(fraction, low, rise_low, high, rise_high):
     """Hermite's cubic between two points, from what they are and how they rise."""
-    rest = 1.0 - share
-    ends = rest * rest * (1.0 + 2.0 * share) * low + share * share * (3.0 - 2.0 * share) * high
-    return ends + share * rest * (rest * rise_low - share * rise_high)
+    rest = 1.0 - fraction
+    ends = (
+        rest * rest * (1.0 + 2.0 * fraction) * low
+        + fraction * fraction * (3.0 - 2.0 * fraction) * high
+    )
+    return ends + fraction * rest * (rest * rise_low - fraction * rise_high)
 
 
 @kernel(error_model="numpy")
 def _at(bend, k, t):
-    """A number of the shared curve (x of a point, or SAMPLES on its z) at a height of the three."""
+    """Number of the hairs' common curve (x of a point, or SAMPLES on its z) at one of 3 heights."""
     curve = bend.curve
     return curve[k, 0] + t * (curve[k, 1] + t * curve[k, 2])
 
@@ -225,7 +228,7 @@ class _Section(NamedTuple):
 
 @kernel(error_model="numpy")
 def _land(bend, section, found, first, out):
-    """One step up the curve: those sides that leave the surface in it have landed there."""
+    """Take one step up the curve: those sides that leave the surface in it have landed there."""
     rim = _RIM * bend.flat
     for n in range(found, _SIDES):
         down = max(n / (_SIDES - 1.0), rim) * section.thin
@@ -234,8 +237,8 @@ def _land(bend, section, found, first, out):
         before = out[_BEFORE + n]
         if clear > 0.0:
             x_before = out[_BEFORE + _SIDES + n]
-            share = before / (before - clear) if before < 0.0 else 0.0
-            out[first + n] = x_before + share * (place - x_before)
+            fraction = before / (before - clear) if before < 0.0 else 0.0
+            out[first + n] = x_before + fraction * (place - x_before)
             found = n + 1
         else:
             out[first + n] = place
@@ -246,7 +249,7 @@ def _land(bend, section, found, first, out):
 
 @kernel(error_model="numpy")
 def find_landings(tuft, bend, out):
-    """Where along the bend hairs of the tuft's length come down, for the first and last of the
+    """Find where along the bend hairs of the tuft's length come down, for the first and last of the
     three heights; over a plane they stand at the last one.
 
     Parameters
@@ -301,7 +304,7 @@ def find_landings(tuft, bend, out):
 
 @_elementwise
 def _find_lands(bend, landing, known, lands):
-    """Where along the bend each hair comes down, by the ground and its place in the section.
+    """Fill where along the bend each hair comes down, by the ground and its place in the section.
 
     A tuft comes down as one: that some of its hairs are shorter changes nothing here.
     """
@@ -336,31 +339,32 @@ def _bends(places):
 
 
 @_elementwise
-def _share_ahead(here, next_, x):
-    """Share of a piece that lies ahead of a place along the bend."""
+def _fraction_ahead(here, next_, x):
+    """Fraction of a piece that lies ahead of a place along the bend."""
     run = here - next_
-    share = (here - x) / (run if run > _SHORT else _SHORT)
-    share = share if share > _ZERO else _ZERO
-    return share if share < _ONE else _ONE
+    fraction = (here - x) / (run if run > _SHORT else _SHORT)
+    fraction = fraction if fraction > _ZERO else _ZERO
+    return fraction if fraction < _ONE else _ONE
 
 
 @_elementwise
 def _add_pieces(lands, near_tip, far, places):
-    """Add the share of a piece that lies ahead of where its hair comes down."""
+    """Add the fraction of a piece that lies ahead of where its hair comes down."""
     for j in range(BLOCK):
-        places[j] += _share_ahead(near_tip[j], far[j], lands[j])
+        places[j] += _fraction_ahead(near_tip[j], far[j], lands[j])
 
 
 @_elementwise
 def _hold(landing, known, tip, next_, third, places, row):
-    """Let hairs of the lower side touch up to where they land, those above them at most so far;
+    """End the contact of hairs of the lower side where they land, of those above at most there;
     and none ahead of the spine's own tip: what is near the surface only there hangs over it.
     Tell how far each lies on it, so that none begins or ceases to at once."""
     begins, ends = row[BEGIN : BEGIN + BLOCK], row[END : END + BLOCK]
     lies = row[LIES : LIES + BLOCK]
     x_tip, top = np.float32(landing[_TIP]), np.float32(SAMPLES - 1)
     for j in range(BLOCK):
-        ahead = _share_ahead(tip[j], next_[j], x_tip) + _share_ahead(next_[j], third[j], x_tip)
+        ahead = _fraction_ahead(tip[j], next_[j], x_tip)
+        ahead += _fraction_ahead(next_[j], third[j], x_tip)
         begin = begins[j] if begins[j] > ahead else ahead
         end, place = ends[j], places[j]
         most = end + _MOST if end + _MOST < top else top
@@ -376,7 +380,7 @@ def _hold(landing, known, tip, next_, third, places, row):
 
 @kernel(error_model="numpy")
 def _end_where_they_land(bend, landing, known, points, highest, scratch, row):
-    """Let the hairs of a block cease to touch where their smooth curves leave the surface.
+    """End the contact of a block's hairs where their smooth curves leave the surface.
 
     Parameters
     ----------
@@ -412,7 +416,7 @@ def _any_near(near, clear):
 
 @kernel(error_model="numpy")
 def _count(row):
-    """How many hairs of a block touch, and how far up any of them does, in thirds of a piece."""
+    """Count a block's hairs that touch, and how far up any does, in thirds of a piece."""
     touching, deepest = np.int32(0), np.int32(-1)
     for j in range(BLOCK):
         touching += np.int32(row[END + j] >= _ZERO)
@@ -456,7 +460,7 @@ def find_contacts(hairs):
             if curved:
                 _lay_flat(bend, here, clear)
             else:
-                _lift_off(here, clear)
+                _rise_over_plane(here, clear)
             if _any_near(near, clear):
                 highest = k
         rests = bristles.rests[g].reshape((SAMPLES - 1) * BLOCK)

@@ -2,8 +2,9 @@
 
 The map runs along the hairs (stations, `SUB` to a piece, from the tip) and across the tuft (lanes
 of its width there), for hairs lie side by side and keep their places: a streak stays a streak. In
-each cell stand the ink that the hairs leave, and the share that they cover. A hair covers its own
-thickness and a film that grows with its ink; where hairs and films are close, they flow together.
+each cell stand the ink that the hairs leave, and the fraction that they cover. A hair covers its
+own thickness and a film that grows with its ink; where hairs and films are close, they flow
+together.
 
 Hairs are laid into the map a station and a block at a time: where they lie and what they leave
 there in vector instructions, and only the adding to the lanes hair by hair.
@@ -29,7 +30,7 @@ from paint3d.brush_engine.footprint import (
     hold_point,
     keep_profile,
 )
-from paint3d.brush_engine.tuft import gather_outline
+from paint3d.brush_engine.outline import gather_outline
 from paint3d.core.arrays import zeros_on_lines
 from paint3d.core.kernel import kernel, uncounted
 
@@ -50,8 +51,8 @@ SUB = 3  # stations to a piece of hair
 STATIONS = SUB * (SAMPLES - 1) + 1
 LANES = 128  # across the tuft
 _Y = BLOCK
-_BARE = (0.25, 0.4)  # share of a lane's width below which films leave it bare: wet, and dry
-_JOINED = (0.65, 1.0)  # share from which they join
+_BARE = (0.25, 0.4)  # fraction of a lane's width below which films leave it bare: wet, and dry
+_JOINED = (0.65, 1.0)  # fraction from which they join
 _EVEN = (0.2, 0.6)  # how full hairs are: from streaks of their own to one film of even thickness
 _OWN_INK = 0.3  # how far what a dry hair leaves varies: where it touches, it leaves its film
 _FILM = (0.45, 0.75)  # the same: from films of their own to one
@@ -60,7 +61,7 @@ _LIGHT = (3.0, 8.0)  # half widths of the tuft, in radii of a hair with its film
 # touch is one film, from the second on one of hairs
 _SPLITS = 0.5  # how far clumps part until the film between them is broken
 _ANY = np.float32(1e6)  # half the width of a map that is the same all over, mm
-_MOST_INK = np.float32(4.0)  # times what the share covered would hold
+_MOST_INK = np.float32(4.0)  # times what the fraction covered would hold
 _FEW = 0.1  # of the most hairs at a station: so few tell nothing of the tuft's width
 _EDGE = LANES // 2  # lanes that films may spread over, at the most
 
@@ -76,7 +77,7 @@ _OUTER = 96  # hairs that tell how wide the tuft is: the last ones stand at the 
 _INNER = 48  # of the others, evenly chosen: the tuft's point, which those at the rim do not reach
 _ENDS = 0.25  # of what is left beside hairs: so much before and behind them
 _ASKED = 256  # hairs, at the most, that tell from where to where they lie
-_SHARES = 64  # places along the bend that these are counted in
+_FRACTIONS = 64  # places along the bend that these are counted in
 _FEWEST = 0.03  # of the hairs that lie: the outline ends where no more are left
 _MORE = 4.0  # times as many, for how they thin out from there
 _ROUND = 0.66  # of the way to there: what a round end goes on beyond
@@ -90,21 +91,22 @@ _SHORTEST = 1e-3  # mm, from the foremost to the hindmost of them
 class Imprint(NamedTuple):
     """The imprint of one stamp, as arrays that kernels fill in place."""
 
-    map: NDArray  # (STATIONS, LANES, 2) float32: ink (mean 1), share covered
+    map: NDArray  # (STATIONS, LANES, 2) float32: ink (mean 1), fraction covered
     mix: NDArray  # (LANES, P) float32: what the ink there is made of, in proportion
     widths: NDArray  # (STATIONS, 2) float32: half the map's width, and how much more it is at the
     # next station, mm
     cells: NDArray  # (CELLS, 2) float32: station by the place along the bend, from the tip, and
     # how much more it is a cell on
     numbers: NDArray  # (4,) float64: at TIP and PER_CELL
-    laid: NDArray  # (2, STATIONS, LANES) float32: ink and share covered while hairs are laid
+    laid: NDArray  # (2, STATIONS, LANES) float32: ink and fraction covered while hairs are laid
     rows: NDArray  # (5 BLOCK,) float32, scratch
     lanes: NDArray  # (BLOCK,) int32, scratch
     places: NDArray  # (STATIONS,) float64: where a station's hairs lie along the bend, mm; NaN: few
     reaches: NDArray  # (BINS,) float64: half widths of the outline
     ends: NDArray  # (3, _ASKED) float64: where some hairs' contacts begin and end along the bend
     # (the lesser place first), mm, and how far these lie on the surface
-    shares: NDArray  # (2, _SHARES + 2) float64: of hairs that begin, and that end, before a place
+    fractions: NDArray  # (2, _FRACTIONS + 2) float64: of hairs that begin, and that end, before a
+    # position
     running: NDArray  # (2, LANES + 2 EDGE + 1) float64, scratch
     tuft_widths: NDArray  # (PROFILE_CELLS + 2,) float64: of the tuft's own outline
 
@@ -123,7 +125,7 @@ def make_imprint(n_pigments: int) -> Imprint:
         places=np.zeros(STATIONS),
         reaches=np.zeros(_BINS),
         ends=np.zeros((3, _ASKED)),
-        shares=np.zeros((2, _SHARES + 2)),
+        fractions=np.zeros((2, _FRACTIONS + 2)),
         running=np.zeros((2, LANES + 2 * _EDGE + 1)),
         tuft_widths=np.zeros(PROFILE_CELLS + 2),
     )
@@ -150,7 +152,7 @@ def _widest(points, count, widths, bristles, film, finest, last):
 
 @_elementwise
 def _find_parts(station, row, rows):
-    """How much of a station each hair of a block touches."""
+    """Fill the part of a station that each hair of a block touches."""
     per_piece = np.float32(SUB)
     above, below = station + _HALF, station - _HALF
     for j in range(BLOCK):
@@ -165,11 +167,11 @@ def _find_parts(station, row, rows):
 
 
 @_elementwise
-def _lay_parts(share, scale, near, far, row, rows, lanes):
-    """What the hairs of a block leave at a station: in which lane, and how much ink."""
+def _lay_parts(fraction, scale, near, far, row, rows, lanes):
+    """Add what the hairs of a block leave at a station: in which lane, and how much ink."""
     middle, top = np.float32(0.5 * LANES), np.float32(LANES - 1)
     for j in range(BLOCK):
-        y = near[_Y + j] + share * (far[_Y + j] - near[_Y + j])
+        y = near[_Y + j] + fraction * (far[_Y + j] - near[_Y + j])
         lane = y * scale + middle
         lane = lane if lane > _ZERO else _ZERO
         lanes[j] = np.int32(lane if lane < top else top)
@@ -179,10 +181,10 @@ def _lay_parts(share, scale, near, far, row, rows, lanes):
 
 
 @_elementwise
-def _sum_places(share, near, far, rows):
+def _sum_places(fraction, near, far, rows):
     """Sums of where along the bend a station's hairs lie."""
     for j in range(BLOCK):
-        x = near[j] + share * (far[j] - near[j])
+        x = near[j] + fraction * (far[j] - near[j])
         here = rows[_PARTS + j] > _ZERO
         rows[_SUM_X + j] += x if here else _ZERO
         rows[_SUM_N + j] += _ONE if here else _ZERO
@@ -211,7 +213,7 @@ def _lay_hairs(hairs, count, last):
     most = 0.0
     for s in range(last + 1):
         k = min(s // SUB, SAMPLES - 2)
-        share, scale = np.float32(s / SUB - k), np.float32(0.5 * LANES) / imprint.widths[s, 0]
+        fraction, scale = np.float32(s / SUB - k), np.float32(0.5 * LANES) / imprint.widths[s, 0]
         rows[_SUM_X : _SUM_X + BLOCK] = _ZERO
         rows[_SUM_N : _SUM_N + BLOCK] = _ZERO
         for g in range(points.shape[0]):
@@ -219,8 +221,8 @@ def _lay_hairs(hairs, count, last):
                 continue
             near, far, row = points[g, k], points[g, k + 1], hair_contacts[g]
             _find_parts(np.float32(s), row, rows)
-            _lay_parts(share, scale, near, far, row, rows, lanes)
-            _sum_places(share, near, far, rows)
+            _lay_parts(fraction, scale, near, far, row, rows, lanes)
+            _sum_places(fraction, near, far, rows)
             n = min(BLOCK, count - g * BLOCK)
             _add_to_lanes(n, lanes, rows, imprint.laid[0, s], imprint.laid[1, s])
         there = np.float64(add_up(rows[_SUM_N : _SUM_N + BLOCK], BLOCK))
@@ -295,7 +297,7 @@ def _ramp(x, limits):
 
 @kernel(error_model="numpy")
 def _joined(stamp, wet, dot, films, hairs):
-    """How far the tuft is one film, from 0, hairs of their own, to 1; and how far by a light touch.
+    """Degree to which the tuft is one film, 0 for separate hairs to 1; and that by a light touch.
 
     So many films (mm, their radii's sum) must lie over one another on its width. Where this is no
     more than that of a few hairs (`dot`: their radius with their film, mm), they flow together
@@ -311,7 +313,7 @@ def _joined(stamp, wet, dot, films, hairs):
 
 @kernel(error_model="numpy")
 def _fill_evenly(imprint):
-    """Let the map be one film."""
+    """Fill the map as one film."""
     imprint.map[:2] = _ONE
     imprint.mix[:] = _ONE
     imprint.cells[:] = _ZERO
@@ -420,7 +422,7 @@ def _join(least, per_join, ink, cover, sums):
 
 @_elementwise
 def _level(even, joined, scale, ink, cover, out):
-    """Ink of mean 1, from streaks of their own to one film, beside the share covered."""
+    """Ink of mean 1, from streaks of their own to one film, beside the fraction covered."""
     for v in range(LANES):
         covered = cover[v] + joined * (_ONE - cover[v])
         here, most = ink[v] * scale, _MOST_INK * covered
@@ -458,7 +460,7 @@ def _finish_map(imprint, films, last, joined, wet, dot):
 
 @uncounted(error_model="numpy")
 def _lay_mix(hairs, load):
-    """What hairs of more than one pigment leave in their first lane, pigment by pigment."""
+    """Add what hairs of more than one pigment leave in their first lane, pigment by pigment."""
     imprint, points = hairs.imprint, hairs.points
     for i in range(load.shape[0]):
         g, j = i // BLOCK, i % BLOCK
@@ -477,7 +479,7 @@ def _lay_mix(hairs, load):
 
 @kernel(error_model="numpy")
 def _fill_mix(mix):
-    """Make shares of amounts; a lane without ink takes those of the nearest before it."""
+    """Make fractions of amounts; a lane without ink takes those of the nearest before it."""
     n_pigments = mix.shape[1]
     if n_pigments < 2:
         mix[:] = 1.0
@@ -497,7 +499,7 @@ def _fill_mix(mix):
 
 @kernel(error_model="numpy")
 def _place_on(points, i, at):
-    """Where a hair lies at a place between its points: along the bend and to the side, mm."""
+    """Position of a hair between two of its points: along the bend and to the side, mm."""
     g, j = i // BLOCK, i % BLOCK
     k = min(int(at), SAMPLES - 2)
     t = np.float64(at) - k
@@ -522,57 +524,58 @@ def _note_ends(points, hair_contacts, count, ends):
 
 
 @kernel(error_model="numpy")
-def _add_shares(ends, n, low, per_cell, shares):
-    """Share of hairs whose contact begins (row 0), and ends (row 1), before half a cell behind
+def _add_fractions(ends, n, low, per_cell, fractions):
+    """Fraction of hairs whose contact begins (row 0), and ends (row 1), before half a cell behind
     each of the places that are counted from `low`."""
-    shares[:] = 0.0
+    fractions[:] = 0.0
     total = 0.0
     for i in range(n):
         total += ends[2, i]
         for side in range(2):
             at = (ends[side, i] - low) * per_cell
-            k = max(0, min(int(at), _SHARES - 1))
+            k = max(0, min(int(at), _FRACTIONS - 1))
             beyond = (at - k) * ends[2, i]
-            shares[side, k + 1] += ends[2, i] - beyond
-            shares[side, k + 2] += beyond
+            fractions[side, k + 1] += ends[2, i] - beyond
+            fractions[side, k + 2] += beyond
     for side in range(2):
-        for k in range(1, _SHARES + 2):
-            shares[side, k] = shares[side, k - 1] + shares[side, k] / total
+        for k in range(1, _FRACTIONS + 2):
+            fractions[side, k] = fractions[side, k - 1] + fractions[side, k] / total
 
 
 @kernel(error_model="numpy")
-def _share_before(row, cell):
-    """Share of hairs before a place, in cells."""
-    at = min(_SHARES + 1.0, max(0.0, cell + 0.5))
-    k = min(int(at), _SHARES)
+def _fraction_before(row, cell):
+    """Fraction of hairs before a place, in cells."""
+    at = min(_FRACTIONS + 1.0, max(0.0, cell + 0.5))
+    k = min(int(at), _FRACTIONS)
     return row[k] + (at - k) * (row[k + 1] - row[k])
 
 
 @kernel(error_model="numpy")
-def _place_of(row, share):
-    """The place, in cells, before which a share of the hairs lies."""
+def _place_of(row, fraction):
+    """The place, in cells, before which a fraction of the hairs lies."""
     k = 0
-    while k < _SHARES and row[k + 1] < share:
+    while k < _FRACTIONS and row[k + 1] < fraction:
         k += 1
     rise = row[k + 1] - row[k]
-    return k - 0.5 + ((share - row[k]) / rise if rise > 0.0 else 0.0)
+    return k - 0.5 + ((fraction - row[k]) / rise if rise > 0.0 else 0.0)
 
 
 @kernel(error_model="numpy")
 def _find_ends(points, hair_contacts, count, imprint):
     """From where to where along the bend the hairs touch that make an outline, mm.
 
-    The few that come down far from the others, or hardly lie, do not: an end is where a share of
+    The few that come down far from the others, or hardly lie, do not: an end is where a fraction of
     the hairs is left, and beyond it as far as a round end goes on that thins out as they do there.
-    It changes as the places of all hairs do, and jumps with none. The imprint's shares are filled.
+    It changes as the places of all hairs do, and jumps with none. The imprint's
+    fractions are filled.
 
     Returns
     -------
     low, high : float
     first, per_cell : float
-        From where the places of the shares are counted, mm, and how many there are to the mm.
+        From where the places of the fractions are counted, mm, and how many there are to the mm.
     """
-    ends, shares = imprint.ends, imprint.shares
+    ends, fractions = imprint.ends, imprint.fractions
     n = _note_ends(points, hair_contacts, count, ends)
     first, last, lying = np.inf, -np.inf, 0.0
     for i in range(n):
@@ -582,12 +585,13 @@ def _find_ends(points, hair_contacts, count, imprint):
         ends[0, 0], ends[1, 0], ends[2, 0] = first, last, 1.0
         n = 1
     last = max(last, first + _SHORTEST)
-    per_cell = _SHARES / (last - first)
-    _add_shares(ends, n, first, per_cell, shares)
-    low, more = _place_of(shares[0], _FEWEST), _place_of(shares[0], _MORE * _FEWEST)
+    per_cell = _FRACTIONS / (last - first)
+    _add_fractions(ends, n, first, per_cell, fractions)
+    low, more = _place_of(fractions[0], _FEWEST), _place_of(fractions[0], _MORE * _FEWEST)
     low = max(0.0, low - _ROUND * (more - low))
-    high, more = _place_of(shares[1], 1.0 - _FEWEST), _place_of(shares[1], 1.0 - _MORE * _FEWEST)
-    high = min(np.float64(_SHARES), high + _ROUND * (high - more))
+    high = _place_of(fractions[1], 1.0 - _FEWEST)
+    more = _place_of(fractions[1], 1.0 - _MORE * _FEWEST)
+    high = min(np.float64(_FRACTIONS), high + _ROUND * (high - more))
     low, high = first + low / per_cell, first + high / per_cell
     return low, max(high, low + _SHORTEST), first, per_cell
 
@@ -607,7 +611,7 @@ def _find_extremes(points, hair_contacts, count):
 
 @kernel(error_model="numpy")
 def _draw_piece(x0, y0, x1, y1, lies, low, per_bin, reaches):
-    """Let the outline hold a straight piece of hair, so far as this lies on the surface."""
+    """Extend the outline by a straight piece of hair, so far as this lies on the surface."""
     if x0 > x1:
         x0, y0, x1, y1 = x1, y1, x0, y0
     begin, end = (x0 - low) * per_bin, (x1 - low) * per_bin
@@ -621,7 +625,7 @@ def _draw_piece(x0, y0, x1, y1, lies, low, per_bin, reaches):
 
 @kernel(error_model="numpy")
 def _draw_dot(x, y, radius, lies, low, per_bin, reaches):
-    """Let the outline hold a round film, so far as its hair lies on the surface."""
+    """Extend the outline by a round film, so far as its hair lies on the surface."""
     if radius * per_bin < 1.0:
         return
     begin, end = max(int((x - radius - low) * per_bin), 0), int((x + radius - low) * per_bin)
@@ -634,14 +638,14 @@ def _draw_dot(x, y, radius, lies, low, per_bin, reaches):
 
 @kernel(error_model="numpy")
 def _film_at(film, at):
-    """How thick films are at a place between a hair's points."""
+    """Thickness of films at a position between a hair's points."""
     k = min(int(at), SAMPLES - 2)
     return film[k] + (np.float64(at) - k) * (film[k + 1] - film[k])
 
 
 @kernel(error_model="numpy")
 def _draw_hairs(points, hair_contacts, film, some, pieces, low, per_bin, reaches):
-    """Let the outline hold the first pieces that touch of some hairs, with their films.
+    """Extend the outline by the first pieces that touch of some hairs, with their films.
 
     `film` is how thick these are at the hairs' points. Returns how many hairs these were.
     """
@@ -670,7 +674,7 @@ def _draw_hairs(points, hair_contacts, film, some, pieces, low, per_bin, reaches
 
 @kernel(error_model="numpy")
 def hold_outline(values):
-    """Let the stamp's enclosing sphere hold its outline."""
+    """Enlarge the stamp's enclosing sphere so that it holds its outline."""
     for along in (values.tip, values.heel):
         for across in (values.widest, -values.widest):
             hold_point(values, along, across)
@@ -701,15 +705,15 @@ def _draw_outline(hairs, point, margin, reach, half_width):
         Between which places along the bend it lies, mm.
     """
     points, hair_contacts, count = hairs.points, hairs.hair_contacts, hairs.load.shape[0]
-    reaches, shares = hairs.imprint.reaches, hairs.imprint.shares
+    reaches, fractions = hairs.imprint.reaches, hairs.imprint.fractions
     low, high, zero, per_cell = _find_ends(points, hair_contacts, count, hairs.imprint)
     per_bin, wide, film = _BINS / (high - low), (high - low) / _BINS, hairs.bend[0].film
     for b in range(_BINS):
         behind = (_BINS - 0.5 - b) * wide
         film_here = margin * (min(1.0, behind / point) if point > 0.0 else 1.0)
         at = (low + (b + 0.5) * wide - zero) * per_cell
-        near = _share_before(shares[0], at + margin * per_cell)
-        near -= _share_before(shares[1], at - margin * per_cell)
+        near = _fraction_before(fractions[0], at + margin * per_cell)
+        near -= _fraction_before(fractions[1], at - margin * per_cell)
         reaches[b] = film_here * min(1.0, max(0.0, near) / _CLOSE)
     first = max(0, count - _OUTER)
     inner = (0, first, max(1, first // _INNER))

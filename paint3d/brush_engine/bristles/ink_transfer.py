@@ -42,9 +42,9 @@ from paint3d.brush_engine.ink_transfer import (
     fetch_positions,
     first_film,
     given_on_way,
-    landing_share,
+    landing_fraction,
     leave_from_reservoirs,
-    level_shares,
+    level_film,
     note_covered,
     take_in,
     take_up_ink,
@@ -65,7 +65,7 @@ __all__ = [
 _BUNDLES = 0.85  # how far bundles differ, besides hairs
 _DIFFER = 0.45  # and how far what these cover does
 _DRIES = 0.2  # how far the contact level falls until tooth and hairs together say what is touched
-_WHOLE = 0.07  # share that dry hairs cover, from which on all of it may be touched
+_WHOLE = 0.07  # fraction that dry hairs cover, from which on all of it may be touched
 _BRIDGED = 0.6  # and wet ones: ink stands between hairs that lie so close
 _OWN_GAPS = 1.03  # times as deep into the tooth: hairs leave gaps of their own besides
 LEVEL_BINS = 64  # across the tuft, within which hairs share
@@ -74,7 +74,7 @@ _RETENTION = np.float32(0.4)  # of a hair's room: what those keep that hold back
 _PER_SOFT = np.float32(1.0 / 0.06)  # of it, over which they do so
 _ALL_KEEP = 0.4  # fullness of the tuft below which pores draw on what hairs keep
 _LEAST_KEPT = 1e-3  # of what they keep of a fuller one
-_PASSING = np.float32(0.45)  # share of the retention that changes along the way
+_PASSING = np.float32(0.45)  # fraction of the retention that changes along the way
 _STAGE = 5.0  # mm of way, over which it becomes another
 _STEP = 6  # places that change alike
 _FLOWS = (0.08, 0.35)  # of a hair's room for ink: where ink begins to move, and moves freely
@@ -86,7 +86,7 @@ _ZERO, _HALF, _ONE, _TWO = np.float32([0.0, 0.5, 1.0, 2.0])
 _APPETITE, _OWN, _NOW, _SOON = (READY + place * BLOCK for place in range(4))
 _elementwise = kernel(error_model="numpy", fastmath={"contract"})
 _LANE = np.int32(LANES - 1)  # of a place: LANES is a power of 2
-_FAINTEST = np.float32(2e-3)  # share covered below which a vertex is left alone
+_FAINTEST = np.float32(2e-3)  # fraction covered below which a vertex is left alone
 _LAST_CELL = np.float32(CELLS - 1e-3)
 _LAST_LANE = np.float32(LANES - 1.001)
 _LEVELS_EVERY = 2.0  # mm of way
@@ -94,7 +94,7 @@ _LEVELS_EVERY = 2.0  # mm of way
 
 @kernel(error_model="numpy")
 def know_hairs(bristles, turned, roll, way_done, known, hair_contacts):
-    """How readily the hairs at their places give: only where the bend or the stage is another.
+    """Update how readily hairs at their places give, where the bend or the stage is another.
 
     Parameters
     ----------
@@ -141,7 +141,7 @@ def _hold(load, first, n, row):
 
 @_elementwise
 def _wish(per_room, keeps, fraction, hair_mm, film_mm, per_piece, row, sums):
-    """What each hair of a block is ready to give, how thick it is, and what it would lay down."""
+    """Fill what each hair of a block would give, its thickness, and what it would lay down."""
     own, passing = _ONE - _PASSING, _PASSING
     kept, per_soft = keeps * _RETENTION, _PER_SOFT / keeps
     for j in range(BLOCK):
@@ -169,7 +169,7 @@ def _wish(per_room, keeps, fraction, hair_mm, film_mm, per_piece, row, sums):
 
 @kernel(error_model="numpy")
 def ask_hairs(bristles, load, capacity, draws, way_done, per_piece, hair_contacts, sums):
-    """What the hairs are ready to give, as against one another.
+    """Fill what the hairs are ready to give, relative to one another.
 
     Each keeps some of its ink back; from a tuft that is nearly dry pores draw it all the same, so
     that a mark on paper breaks up and does not end.
@@ -236,7 +236,7 @@ def _give_by_law(rate, doublings, row):
 
 @kernel(error_model="numpy")
 def settle_deposits(count, wanted, rate, hair_contacts, sums):
-    """Turn wishes into the share of its ink that each hair gives over a way; returns the sum.
+    """Turn wishes into the fraction of its ink that each hair gives over a way; returns the sum.
 
     Parameters
     ----------
@@ -334,7 +334,7 @@ def _give_to_hairs(load, hair_contacts, taken):
 
 @kernel(error_model="numpy")
 def _level_hairs(bristles, turned, load, capacity, way, bins):
-    """Let hairs beside one another share their ink, the freer the wetter they are.
+    """Exchange ink between neighbouring hairs, the more freely the wetter they are.
 
     Parameters
     ----------
@@ -363,9 +363,9 @@ def _level_hairs(bristles, turned, load, capacity, way, bins):
         for p in range(n_pigments):
             mean += bins[at, p]
         flow = (mean / (n * capacity) - _FLOWS[0]) / (_FLOWS[1] - _FLOWS[0])
-        share = reach * min(1.0, max(0.0, flow))
+        fraction = reach * min(1.0, max(0.0, flow))
         for p in range(n_pigments):
-            load[i, p] += share * (bins[at, p] / n - load[i, p])
+            load[i, p] += fraction * (bins[at, p] / n - load[i, p])
 
 
 @_elementwise
@@ -402,7 +402,7 @@ def _find_lanes(n, ys, places, parts):
 
 @_elementwise
 def _read_map(n, map_, places, parts, inks, covers):
-    """Ink and share covered between the four cells around each vertex."""
+    """Ink and fraction covered between the four cells around each vertex."""
     for k in range(n):
         i = places[k]
         t, u = parts[0, k], parts[1, k]
@@ -418,7 +418,7 @@ def _read_map(n, map_, places, parts, inks, covers):
 
 @uncounted(error_model="numpy", apart=True)
 def _turn_to_stamp(n, turn, ahead, aside, xs, ys):
-    """Where vertices that lie along the way and across lie in a stamp's own coordinates, mm."""
+    """Turn positions along and across the way into a stamp's own coordinates, mm."""
     turn_x, turn_y, cosine, sine = turn
     ox, oy, c, s = np.float32(turn_x), np.float32(turn_y), np.float32(cosine), np.float32(sine)
     for k in range(n):
@@ -427,13 +427,13 @@ def _turn_to_stamp(n, turn, ahead, aside, xs, ys):
 
 
 @uncounted(error_model="numpy", apart=True)
-def _weigh_by_map(n, places, inks, covers, whole_from, share, cover, under, lanes):
+def _weigh_by_map(n, places, inks, covers, whole_from, fraction, cover, under, lanes):
     """Weigh vertices by what they found in the map; what found nothing gets nothing."""
     for k in range(n):
         covered = covers[k]
         most = covered if covered > whole_from else whole_from
         here = _ONE / most if covered > _FAINTEST else _ZERO
-        share[k] *= inks[k] * here
+        fraction[k] *= inks[k] * here
         cover[k] *= covered * here
         under[k] = covered
         lanes[k] = places[k] & _LANE
@@ -451,7 +451,7 @@ def _look_up_hairs(imprint, whole_from, n, scratch):
     ----------
     imprint : Imprint
     whole_from : float
-        Share that hairs cover from which on all is.
+        fraction that hairs cover from which on all is.
     n : int
         Vertices in `scratch.found`, which get the lane of the map that each lies in, and what hairs
         cover there.
@@ -477,24 +477,24 @@ def _look_up_hairs(imprint, whole_from, n, scratch):
         _find_lanes(m, ys, places, parts)
         _read_map(m, map_, places, parts, rows[4], rows[5])
         _weigh_by_map(
-            m, places, rows[4], rows[5], whole_from, found.share[first:last],
+            m, places, rows[4], rows[5], whole_from, found.fraction[first:last],
             found.cover[first:last], found.under[first:last], found.lanes[first:last],
         )  # fmt: skip
 
 
 @uncounted(error_model="numpy", apart=True)
-def _share_in(n, share, lanes, inks, out):
-    """Fill the shares of vertices times how much of an ink is in their lanes (of `inks`)."""
+def _weigh_by_lane(n, fraction, lanes, inks, out):
+    """Fill the fractions of vertices times how much of an ink is in their lanes (of `inks`)."""
     for k in range(n):
-        out[k] = share[k] * inks[np.uint32(lanes[k])]
+        out[k] = fraction[k] * inks[np.uint32(lanes[k])]
 
 
 @uncounted(error_model="numpy")
 def _leave(mix, landing, found, n, field, ink):
-    """Leave `landing` (P,) on the vertices, by their shares and by what is in their lanes."""
+    """Leave `landing` (P,) on the vertices, by their fractions and by what is in their lanes."""
     for p in range(landing.shape[0]):
         if landing[p] > 0.0:
-            _share_in(n, found.share, found.lanes, mix[:, p], found.coats)
+            _weigh_by_lane(n, found.fraction, found.lanes, mix[:, p], found.coats)
             weighed = weighed_area(n, found.area, found.coats, field.area_step)
             if weighed > 0.0:
                 coats = np.float32(landing[p] / weighed)
@@ -512,7 +512,7 @@ def _leave_along(before, after, lands, n, hairs, field, ink, scratch):
     found, released = scratch.found, 0.0
     for p in range(hairs.released.shape[0]):
         released += hairs.released[p]
-    weighed = weighed_area(n, found.area, found.share, field.area_step)
+    weighed = weighed_area(n, found.area, found.fraction, field.area_step)
     landing = released * lands if weighed > 0.0 else 0.0
     if released > 0.0 or ink.transfer[0].pickup > 0.0:
         deposit = Deposit(released, landing, weighed)
@@ -522,7 +522,7 @@ def _leave_along(before, after, lands, n, hairs, field, ink, scratch):
 
 @kernel(error_model="numpy")
 def _mix_hairs(load, mixture):
-    """Let hairs (B, P) hold `mixture` (P,) in all, each as much as before, and all of one kind."""
+    """Give hairs (B, P) `mixture` (P,) in all, each as much as before, and all of one kind."""
     count, n_pigments = load.shape
     total = 0.0
     for i in range(count):
@@ -532,9 +532,9 @@ def _mix_hairs(load, mixture):
         own = 0.0
         for p in range(n_pigments):
             own += load[i, p]
-        share = own / total if total > 0.0 else 1.0 / count
+        fraction = own / total if total > 0.0 else 1.0 / count
         for p in range(n_pigments):
-            load[i, p] = share * mixture[p]
+            load[i, p] = fraction * mixture[p]
 
 
 @uncounted(error_model="numpy")
@@ -565,16 +565,16 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
     if n < 0:
         return False
     fetch_found(found, n, field.area, found.area)
-    within = weighed_area(n, found.area, found.share, field.area_step)
+    within = weighed_area(n, found.area, found.fraction, field.area_step)
     _look_up_hairs(hairs.imprint, whole_from, n, scratch)
-    weighed = weighed_area(n, found.area, found.share, field.area_step)
+    weighed = weighed_area(n, found.area, found.fraction, field.area_step)
     come_from = before.values[0]
     area = after.values[0].area
     if come_from.touches > 0.0:
         area = 0.5 * (come_from.area + area)
     bare = weighed <= 0.0 < within  # no hair lies over the vertices that the outline covers
     scale = 0.0 if bare or (area < width * width and within <= 0.0) else given_on_way(level)
-    lands = landing_share(area, width, within)
+    lands = landing_fraction(area, width, within)
     bristles = hairs.bristles
     bundles = (bristles.root_mm, bristles.bundle_mm, _BUNDLES, dry * _DIFFER)
     reached = min(1.0, _OWN_GAPS * level)
@@ -583,14 +583,14 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
         fetch_positions(found, n, field)
     if level < 1.0 and weighed > 0.0:  # hairs that run dry give less, and only to the heights
         thin_contact(contact, after, found, n, ink, scratch.block)
-        rest = weighed_area(n, found.area, found.share, field.area_step)
+        rest = weighed_area(n, found.area, found.fraction, field.area_step)
         scale *= rest / weighed
     scratch.taken[:] = 0.0
     if ink.transfer[0].pickup > 0.0:
         take_up_ink(before, after, ready * scale, found, n, field, ink, scratch.taken)
-    level_shares(before, after, wet, contact, field, ink, n, scratch)
+    level_film(before, after, wet, contact, field, ink, n, scratch)
     landing = ready * scale * lands
-    weighed = weighed_area(n, found.area, found.share, field.area_step)
+    weighed = weighed_area(n, found.area, found.fraction, field.area_step)
     if landing > 0.0 and weighed > 0.0:
         coats = first_film(level, transfer_per_mm, bristles.root_mm, ink)
         rest, first, _ = take_in(coats, before, after, landing, weighed, n, field, ink, scratch)
@@ -617,7 +617,7 @@ def sweep_hairs(before, after, ready, transfer_per_mm, hairs, field, ink, scratc
 
 @uncounted(error_model="numpy")
 def _level(hairs, capacity, way):
-    """Let hairs share their ink, where the tuft has gone so far (mm) that it is time."""
+    """Level the ink of the hairs, where the tuft has gone so far (mm) that it is time."""
     memory = hairs.memory[0]
     memory.unlevelled += way
     if memory.unlevelled >= _LEVELS_EVERY:

@@ -73,7 +73,7 @@ class Hairs(NamedTuple):
     bristles: bt.Bristles
     load: NDArray  # (B, P) float64, ink in each, coats x mm2
     memory: NDArray  # (1,) of MEMORY
-    pace: NDArray  # (2,) float64: how far between two samples, and the next step's share of it
+    pace: NDArray  # (2,) float64: how far between two samples, and the next step's fraction of it
     roll: NDArray  # (2,) float64, direction of the bend in the handle's axes, of `turned`
     turned: NDArray  # of `turn_hairs`
     bend: NDArray  # (1,) of BEND

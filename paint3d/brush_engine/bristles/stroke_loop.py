@@ -59,7 +59,7 @@ _PARTS_OVER = 6.0  # mm of way over which clumps part
 _SPLITS_OVER = 4.0  # mm against the hairs over which it splits
 _JOINS_OVER = 25.0  # mm over which wet ones join
 _SETS_OVER = 12.0  # mm of way over which a tuft takes on the bend that it has
-_SET_SHARE = 0.3  # of the tip's reach that a tuft keeps at full plasticity
+_SET_FRACTION = 0.3  # of the tip's reach that a tuft keeps at full plasticity
 _FINEST = 0.25  # of the vertex spacing: nothing finer is drawn
 _LEAST_TURN = 4e-3  # cosine and sine: less than that the tuft does not turn in the handle
 _DRY = (0.12, 0.45)  # of the load: dry, and wet
@@ -69,8 +69,8 @@ _MOST_BEND = 1.0 / 8.0  # of the vertex spacing
 
 
 @uncounted(error_model="numpy")
-def _wet_share(ink):
-    """How wet the tuft is, from 0, dry, to 1."""
+def _wetness(ink):
+    """Wetness of the tuft, from 0, dry, to 1."""
     capacity = ink.transfer[0].capacity
     wetness = held_ink(ink) / capacity if capacity > 0.0 else 0.0
     return min(1.0, max(0.0, (wetness - _DRY[0]) / (_DRY[1] - _DRY[0])))
@@ -112,7 +112,7 @@ def _meet(stamp, tuft, hairs):
 
 @uncounted(error_model="numpy")
 def _find_cause(values, tuft, cosine, sine, hairs, ink):
-    """What the hairs under a stamp are to be bent by, with the bend at this angle in the handle."""
+    """Cause of the bend of the hairs under a stamp, with the bend at this angle in the handle."""
     # how deep the tuft is pressed counts from where its straight tip touches, as in `_settle`
     patch, reach = hairs.patch, tuft.length * np.cos(values.tilt)
     patch[0] = -reach * (patch[1] + reach * patch[3])
@@ -120,7 +120,7 @@ def _find_cause(values, tuft, cosine, sine, hairs, ink):
     set_x = cosine * memory.set_x + sine * memory.set_y
     set_y = cosine * memory.set_y - sine * memory.set_x
     return Cause(
-        values.descent, values.tilt, values.pressure, patch, 1.0 - _wet_share(ink), memory.parted,
+        values.descent, values.tilt, values.pressure, patch, 1.0 - _wetness(ink), memory.parted,
         memory.split, set_x, set_y,
     )  # fmt: skip
 
@@ -215,7 +215,7 @@ def _centre_hairs(hairs):
 
 @uncounted(error_model="numpy")
 def _move_aside(values, aside):
-    """Let a stamp stand so far to the side (mm) of its bend."""
+    """Move a stamp so far to the side (mm) of its bend."""
     for axis in range(3):
         values.origin[axis] += aside * values.cross[axis]
 
@@ -253,7 +253,7 @@ def _place_hairs(pose, before, stamp, tuft, hairs, canvas, scratch):
 
 @uncounted(error_model="numpy")
 def _draw(stamp, touching, tuft, hairs, canvas, scratch):
-    """What the hairs would give, and the imprint; returns how much they wish to."""
+    """Find what the hairs would give, and the imprint; return how much they wish to give."""
     count, bristles, kept = hairs.load.shape[0], hairs.bristles, hairs.kept[0]
     way, ink = hairs.memory[0].way, canvas.ink
     know_hairs(bristles, hairs.turned, hairs.roll, way, hairs.known, hairs.hair_contacts)
@@ -273,7 +273,7 @@ def _draw(stamp, touching, tuft, hairs, canvas, scratch):
 
 @uncounted(error_model="numpy")
 def _against_hairs(last, values):
-    """How far (mm) a tuft was pushed back towards its tip, or its tip twisted aside."""
+    """Distance (mm) that a tuft was pushed back towards its tip, or its tip twisted aside."""
     if last.touches <= 0.0:
         return 0.0
     pushed = 0.0
@@ -285,11 +285,11 @@ def _against_hairs(last, values):
 
 @uncounted(error_model="numpy")
 def _remember(before, after, tuft, hairs, ink):
-    """What the way between two stamps does to the tuft: clumps part or join, it splits into
+    """Update the tuft by the way between two stamps: clumps part or join, it splits into
     points where it goes against its hairs, the bend sets."""
     values, memory = after.values[0], hairs.memory[0]
     way = outline_motion(before, after)
-    wet = _wet_share(ink)
+    wet = _wetness(ink)
     pe = values.pressure
     wanted = hairs.bristles.parting * min(
         1.0, (1.0 - wet) * (0.5 + 0.5 * pe) + 0.5 * max(0.0, pe - 0.7) / 0.3
@@ -302,16 +302,16 @@ def _remember(before, after, tuft, hairs, ink):
     splits = 1.0 - np.exp(-against / _SPLITS_OVER)
     memory.split += max(0.0, wanted - memory.split) * splits
     reach = values.tip - tuft.length * np.cos(values.tilt)
-    stays = _SET_SHARE * tuft.plasticity * max(0.0, reach)
-    share = 1.0 - np.exp(-way / _SETS_OVER)
-    memory.set_x += share * (hairs.roll[0] * stays - memory.set_x)
-    memory.set_y += share * (hairs.roll[1] * stays - memory.set_y)
+    stays = _SET_FRACTION * tuft.plasticity * max(0.0, reach)
+    fraction = 1.0 - np.exp(-way / _SETS_OVER)
+    memory.set_x += fraction * (hairs.roll[0] * stays - memory.set_x)
+    memory.set_y += fraction * (hairs.roll[1] * stays - memory.set_y)
 
 
 @uncounted(error_model="numpy")
 def _track(stamp, hairs, rows):
-    """Where the outer hairs' points are in space; of those on the surface or near it the hair's
-    clumps too, by the sum of their middles."""
+    """Fill the positions in space of the outer hairs' points; of those on the surface or near it
+    the hair's clumps too, by the sum of their middles."""
     values, points = stamp.values[0], hairs.points
     count = hairs.load.shape[0]
     for n in range(TRACKED):
@@ -329,15 +329,15 @@ def _track(stamp, hairs, rows):
             rows[n, k, 3] = clumps if z < _NEAR else np.nan
 
 
-@kernel(error_model="numpy")
+@kernel(error_model="numpy")  # slices are counted, which `paint_with_hairs` must not do
 def _keep_track(track):
-    """Let the outer hairs be where they are now."""
+    """Record the present positions of the outer hairs."""
     track[0] = track[1]
 
 
 @uncounted(error_model="numpy")
 def _fastest(before, after, track):
-    """How far the fastest hair moved on the surface between two stamps, mm.
+    """Distance that the fastest hair moved on the surface between two stamps, mm.
 
     One that went over to other clumps does not count: while the tuft turns, hairs of parted clumps
     jump, and no step is so short that they do not.
@@ -387,7 +387,7 @@ def _find_step(samples, i, brush, canvas, progress, scratch, hairs):
     moved : float
         How far the fastest moved, mm.
     step : float
-        How far in the interval it lies from the last, as a share of it.
+        How far in the interval it lies from the last, as a fraction of it.
     """
     before, after, pose, pace = progress.before, progress.after, scratch.pose, hairs.pace
     most = _SPACING * canvas.field.resolution

@@ -38,7 +38,7 @@ _STAYING = 0.01  # of a side step, what it must gain
 
 
 class Target(NamedTuple):
-    """What is to be filled, with which footprints, and how far these may leave it."""
+    """Area to fill, the footprints to fill it with, and how far these may leave it."""
 
     points: NDArray[np.float64]  # (L, B, 2), table of footprints, mm
     support: NDArray[np.float64]  # (L, 2 A), reach of each from its centroid, even ways from 0, mm
@@ -149,7 +149,7 @@ def _distance_at(field, grid, x, y):
 
 @kernel
 def measure_room(field, grid, centres, directions, limit, out):
-    """How far one can go from each centre (S, 2) along its direction (S, 2) and stay inside."""
+    """Measure how far one can go from centres (S, 2) along directions (S, 2) and stay inside."""
     for s in range(centres.shape[0]):
         run = 0.0
         while run < limit:
@@ -236,7 +236,7 @@ def fit_levels(target, centres, azimuths, shares, out):
 
 @kernel
 def rate(target, centres, headings, room, shifts, out_gap):
-    """How much of the stroke's width every direction and side step leaves bare.
+    """Fraction of the stroke's width that every direction and side step leaves bare.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ SPECTRUM_STEPS = 65535
 
 
 class Ground(NamedTuple):
-    """What lies below the wet paint (cap: room for vertices, D: dried vertices)."""
+    """Ground below the wet paint (cap: capacity for vertices, D: dried vertices)."""
 
     slots: NDArray  # (cap,) int32, row of each vertex in `spectra`, -1 for none; or (0,)
     spectra: NDArray  # (D, 31) uint16, reflectance as measured, in steps of 1/65535
@@ -42,7 +42,7 @@ class Ground(NamedTuple):
 
 
 class Glaze(NamedTuple):
-    """How mixtures of P pigments over any ground look, from W bands."""
+    """Appearance of mixtures of P pigments over any ground, from W bands."""
 
     paints: NDArray[np.float32]  # (W, P, 2), K and S of each pigment per coat
     weights: NDArray[np.float32]  # (W, 3), of each band in R, G, B
@@ -194,14 +194,14 @@ def add_between(parents, first, last, encoded):
 #
 # Kubelka and Munk's layer is a Moebius function of the reflectance below it, and so is any pile of
 # them with the gloss between; three points of it are the whole of it. Where paint covers only a
-# part of a vertex it is that with a share of the ground itself, which the same three points
+# part of a vertex it is that with a fraction of the ground itself, which the same three points
 # describe nearly (docs/studio-model.md). The points are not at 0: gloss alone reflects 3 %.
 
 
 GROUNDS = (0.04, 0.52, 1.0)
 """Reflectances of the grey grounds over which a dried row says what it shows; evenly spaced."""
 
-_LEAST, _MOST = 1e-3, 0.6  # share of the rise in the first half: 1/2 for a layer without scattering
+_LEAST, _MOST = 1e-3, 0.6  # of the rise in the first half; 1/2 for a layer without scattering
 
 
 @kernel(error_model="numpy")

@@ -58,7 +58,7 @@ class Wet(NamedTuple):
 
 
 class Film(NamedTuple):
-    """How mixtures of P matt pigments on one backing look, from W bands."""
+    """Appearance of mixtures of P matt pigments on one backing, from W bands."""
 
     paints: NDArray[np.float32]  # (W, P, 2), K and S of each pigment per coat
     bands: NDArray[np.float32]  # (W, 4), reflectance below; weights in R, G, B
@@ -66,7 +66,7 @@ class Film(NamedTuple):
 
 
 class OneInk(NamedTuple):
-    """How one pigment on one backing looks, by y = X / (X + bend) of its thickness X in coats."""
+    """Appearance of one pigment on one backing, by y = X / (X + bend) of X coats."""
 
     table: NDArray[np.float32]  # (N, 3), linear RGB at y = i/(N - 1)
     shades: NDArray[np.uint8]  # (M, 3), its codes, as finely as codes can differ
@@ -75,7 +75,7 @@ class OneInk(NamedTuple):
 
 
 class Shown(NamedTuple):
-    """Where colours go, and how they are encoded."""
+    """Arrays that receive colours, and how they are encoded."""
 
     codes: NDArray[np.uint8]  # (T,), sRGB of linear i/(T - 1); others take the nearest end
     linear_rgb: NDArray[np.float32]  # (V, 3); length 0 to skip
@@ -117,7 +117,7 @@ def layer_bands(absorption, scattering, thickness, backing, reflected, alone, th
 
 @kernel(error_model="numpy")
 def fill_layers(wet, start, size, layer, cover):
-    """Coats (P, BLOCK) of each pigment where a block is covered, and the share that is (BLOCK,)."""
+    """Coats (P, BLOCK) of each pigment where a block is covered, and the fraction that is."""
     zero, one = np.float32(0.0), np.float32(1.0)
     for j in range(size):
         v = wet.vertex_ids[start + j]
@@ -157,8 +157,8 @@ def shine(k, s, ground):
     deep = u > LAST_RATIO
     p = one if deep else one + u * (p1 + u * p2)
     q = np.sqrt(u) if deep else one + u * (q1 + u * (q2 + u * q3))
-    lift = p * s * (one - ground)
-    return (q - p * k) * ground + lift, q + p * k + lift
+    scattered = p * s * (one - ground)
+    return (q - p * k) * ground + scattered, q + p * k + scattered
 
 
 @kernel(error_model="numpy")

@@ -414,7 +414,7 @@ def _read_painted(
     )
     edges = None
     if isinstance(surface, PaintedSurface):  # else in another light, in which nothing is bare
-        fractions = edge_shares(mesh.leaf_faces(), surface.share_codes())
+        fractions = edge_shares(mesh.leaf_faces(), surface.coverage_codes())
         edges = Edges(surface.bare_codes[ids], fractions[ids])
     look = None if look is None else look.at(ids)
     return painting._replace(finish=_finish_of(surface.material), look=look, edges=edges)

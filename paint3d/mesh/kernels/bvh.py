@@ -103,7 +103,7 @@ def _centre_distance2(boxes, node, x, y, z):
 
 @uncounted
 def _on_edge(u, p):
-    """How far along the edge u (0 to 1) the point nearest to p lies, and how far p is, squared."""
+    """Project p on the edge: u (0 to 1) of the nearest point, and the squared distance to it."""
     along = u[0] * p[0] + u[1] * p[1] + u[2] * p[2]
     length2 = u[0] * u[0] + u[1] * u[1] + u[2] * u[2]
     t = 0.0 if along <= 0.0 else (1.0 if along >= length2 else along / length2)
@@ -462,7 +462,7 @@ def settle_foot(tree, root, up, found, gain, follows, nodes, out):
 
 @uncounted
 def residual_of(root, foot):
-    """What is left of root - foot after removing its part along the normal; and its square."""
+    """Part of root - foot across the normal, and its square."""
     dx = root[0] - foot[0]
     dy = root[1] - foot[1]
     dz = root[2] - foot[2]
@@ -703,7 +703,7 @@ def _enters(boxes, node, ray, best):
 
 @kernel(error_model="numpy")
 def _crosses(points, a, b, c, ray):
-    """Where a ray meets triangle abc, in lengths of its direction; inf where it does not.
+    """Distance at which a ray meets triangle abc, in lengths of its direction; inf: it misses.
 
     The sides' volumes are those of the Plücker coordinates of ray and edge: two triangles see the
     edge between them with opposite signs, so no ray slips through. (One of 20,000 that are aimed

@@ -108,7 +108,7 @@ class SurfaceField(NamedTuple):
     mx: NDArray  # (cap,) float32, where a footprint's outline meets the vertex, mm: see `paper`
     my: NDArray
     mz: NDArray
-    take: NDArray  # (cap,) float32, times its share of the ink that a vertex takes
+    take: NDArray  # (cap,) float32, factor on the ink that a vertex takes
     key: NDArray  # (cap,) uint64, the same for the same vertex whatever the order of refinement
     parents: NDArray  # (cap, 2) int32, ends of the edge a vertex halved; -1 for base vertices
     vertex_sheet: NDArray  # (cap,) int32

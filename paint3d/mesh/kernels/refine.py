@@ -79,8 +79,8 @@ def _longest_edge(field, a, b, c):
 
 
 @uncounted(error_model="numpy")
-def _shares(px, py, pz, corners, t, area):
-    """What of the area of triangle t, a whole number, each of its corners stands for."""
+def _corner_areas(px, py, pz, corners, t, area):
+    """Divide the area of triangle t, a whole number, among its corners."""
     a, b, c = corners[t, 0], corners[t, 1], corners[t, 2]
     one = _distance2(px, py, pz, b, c)
     two = _distance2(px, py, pz, c, a)
@@ -104,7 +104,7 @@ def _shares(px, py, pz, corners, t, area):
 def spread_areas(px, py, pz, triangles, areas, out):
     """Add the areas (T,) int64 of triangles (T, 3) to what their corners stand for, (N,) int64."""
     for t in range(triangles.shape[0]):
-        first, second, third = _shares(px, py, pz, triangles, t, areas[t])
+        first, second, third = _corner_areas(px, py, pz, triangles, t, areas[t])
         out[triangles[t, 0]] += first
         out[triangles[t, 1]] += second
         out[triangles[t, 2]] += third
@@ -218,12 +218,12 @@ def _split_edge(field, h0, ring, mids):
 
 @uncounted
 def _stand_for(field, t, sign):
-    """Let the corners of a triangle stand for its area, or no longer (`sign` -1)."""
+    """Add a triangle's area to what its corners stand for, or subtract it (`sign` -1)."""
     corners = field.node_vertices
-    shares = _shares(field.px, field.py, field.pz, corners, t, field.node_area[t])
+    parts = _corner_areas(field.px, field.py, field.pz, corners, t, field.node_area[t])
     for k in range(3):
         v = corners[t, k]
-        field.area_units[v] += sign * shares[k]
+        field.area_units[v] += sign * parts[k]
         field.area[v] = field.area_units[v] * field.area_unit
 
 

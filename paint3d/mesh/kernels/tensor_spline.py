@@ -43,9 +43,9 @@ def _fill_weights(knots, degree, at, x, weights):
         from_left = 0.0
         for i in range(j):
             right, left = knots[at + 1 + i], knots[at + 1 + i - j]
-            share = weights[i] / (right - left)
-            weights[i] = from_left + share * (right - x)
-            from_left = share * (x - left)
+            per_span = weights[i] / (right - left)
+            weights[i] = from_left + per_span * (right - x)
+            from_left = per_span * (x - left)
         weights[j] = from_left
 
 

@@ -1,4 +1,4 @@
-"""Who shares an edge, and which corners share a normal.
+"""Triangles along common edges, and corners with a common normal.
 
 Edges are told apart by welded vertices (one id per position), so that seams of the file do not
 open the surface. Around each edge its half-edges form a ring; more than two in a ring is a
@@ -265,7 +265,7 @@ _STEP = 0.25  # of a cell: places along an open edge
 
 @kernel
 def _length(points, start, end):
-    """How far apart two vertices lie, mm."""
+    """Distance between two vertices, mm."""
     length = 0.0
     for axis in range(3):
         length += (np.float64(points[end, axis]) - np.float64(points[start, axis])) ** 2
@@ -301,9 +301,9 @@ def link_cracks(points, triangles, radial, cells, widest, links):
         end = triangles[t, (h % 3 + 1) % 3]
         steps = max(1, int(np.ceil(_length(points, start, end) / (_STEP * cells.cell_size))))
         for k in range(steps):
-            share = (k + 0.5) / steps
+            fraction = (k + 0.5) / steps
             for axis in range(3):
-                place[axis] = (1.0 - share) * points[start, axis] + share * points[end, axis]
+                place[axis] = (1.0 - fraction) * points[start, axis] + fraction * points[end, axis]
             cell = find_cell(cells, place[0], place[1], place[2])
             sheet = sheet_of(cells, cell, t) if cell >= 0 else -1
             if sheet < 0:

@@ -9,13 +9,14 @@ potential is that of a porous medium, and what is over c lies on top as a film:
 
 psi is flat below r c, so the front is sharp (the porous medium equation: Vazquez, *The Porous
 Medium Equation*, 2007; saturation cubed for the conductivity of a porous sheet: Brooks, Corey
-1964). What is dry takes water only where psi is above an entry potential, that of a depth a c,
+1964). Water enters what is dry only where psi is above an entry potential, that of a depth a c,
 a > r: the front stops there and is pinned while the water behind it can still move, and is drawn
 to the border, where it dries fastest: rims get darker (Deegan et al., Nature 389, 1997; wetting
 and draining of a porous body differ: Haines 1930). Weights are those of the intrinsic Delaunay
 triangulation (`surface.kernels.intrinsic_delaunay`), which cannot create new extremes.
 
-`surface.kernels.wet_step` is a step of it; here is what else happens to the water.
+`surface.kernels.wet_step` is a step of it, with a table of these words; here is what else happens
+to the water.
 
 Time goes on block by block (`surface.flow_graph`): where much moves in short steps, where little
 does in long ones. The water of an edge between two blocks runs whenever either takes its step, for
@@ -43,11 +44,11 @@ __all__ = [
     "solve_edges",
 ]
 
-_NOTCH, _FILLS = 0.5, 0.75  # filled share of what lies around: entry falls from it on; is 0 at it
+_NOTCH, _FILLS = 0.5, 0.75  # filled fraction of the neighbours: entry falls from it, is 0 at it
 
 
 class Drying(NamedTuple):
-    """How fast water goes."""
+    """Rates at which water evaporates."""
 
     rate: float  # mm/s, well inside the wet region
     gain: float  # what it is faster at the border, times as fast
@@ -57,7 +58,7 @@ class Drying(NamedTuple):
 
 @kernel(error_model="numpy")
 def solve_edges(wet, f, totals, reach, sweeps, inside):
-    """How deep inside the wet region nodes lie: 0 beyond its border, 1 well within.
+    """Solve for how deep inside the wet region nodes lie: 0 beyond its border, 1 well within.
 
     (1 - reach^2 Laplacian) inside = 1 on the wet nodes (W,), 0 elsewhere: at a distance x from a
     straight border 1 - exp(-x / reach). Gauss-Seidel from what `inside` (N,) f32 holds, which
@@ -77,7 +78,7 @@ def solve_edges(wet, f, totals, reach, sweeps, inside):
 
 @kernel(error_model="numpy")
 def evaporate(wet, f, rest, drying, inside, dried, still_wet):
-    """Let water go from wet nodes (W,), for the time that each one's block is owed over `rest`.
+    """Evaporate water of wet nodes (W,), for the time that each one's block is owed over `rest`.
 
     What is left below the residual saturation hangs together no longer: what comes later has to
     fill these pores anew, and stops where it stopped in dry ones.
@@ -122,7 +123,7 @@ def evaporate(wet, f, rest, drying, inside, dried, still_wet):
 
 @kernel(error_model="numpy")
 def ease_entries(nodes, f, dry_entry):
-    """Let water get into what is dry the more easily the fuller what lies around it is.
+    """Lower the entry potentials of what is dry, the more the fuller its neighbours are.
 
     Menisci that come from several sides meet in a pore, and fill it at less than each would need
     (cooperative filling: Cieplak, Robbins, *Phys. Rev. Lett.* 60, 2042, 1988). So no single place
@@ -179,7 +180,7 @@ def give_back(vertices, node_of, changed, pigment, soaked, written, ink, out):
     changed : (K,) bool
         Nodes where it moved; none afterwards.
     pigment, soaked : (K, P) f64, (K,) f32
-        Coats times the covered share, and that share.
+        Coats times the covered fraction, and that fraction.
     written : (C, P) f32
         What was put there before, and is now.
     ink : InkField

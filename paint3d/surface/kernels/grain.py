@@ -41,8 +41,8 @@ def _noise(x, y, z):
     for a in range(2):
         for b in range(2):
             for c in range(2):
-                share = (u if a else 1.0 - u) * (v if b else 1.0 - v) * (w if c else 1.0 - w)
-                total += share * _corner(i + a, j + b, k + c)
+                weight = (u if a else 1.0 - u) * (v if b else 1.0 - v) * (w if c else 1.0 - w)
+                total += weight * _corner(i + a, j + b, k + c)
     return total
 
 

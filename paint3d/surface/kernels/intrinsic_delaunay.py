@@ -48,7 +48,7 @@ def _cosine(opposite, a, b):
 
 @kernel(error_model="numpy")
 def _set_face(faces, lengths, f, corners, sides):
-    """Let a face have these corners (3,), and sides (3,) from each to the next."""
+    """Set a face's corners (3,), and sides (3,) from each to the next."""
     faces[f, 0], faces[f, 1], faces[f, 2] = corners
     lengths[f, 0], lengths[f, 1], lengths[f, 2] = sides
 

@@ -20,7 +20,7 @@ __all__ = [
 
 @kernel
 def count_vertices(field, cells):
-    """How many vertices lie in some cells (K,)."""
+    """Count the vertices that lie in some cells (K,)."""
     n = 0
     for k in range(cells.shape[0]):
         c = cells[k]
@@ -173,7 +173,7 @@ def group_blocks(blocks, first, last, beside, head, group):
 
 @kernel
 def grade_paces(wet, first, last, beside, most, pace):
-    """Let no pace (B,) f32 be more than `most` times that of a neighbour, among wet blocks (K,)."""
+    """Limit paces (B,) f32 to `most` times those of their neighbours, among wet blocks (K,)."""
     lowered = True
     while lowered:
         lowered = False

@@ -15,6 +15,27 @@ and concentrations within their range, at any step.
 
 All of it is done on rows: a copy of the nodes that take part, with their neighbours side by side.
 They start as those with water that can move, and grow by a ring whenever it comes to their edge.
+
+How water enters what is dry; the same words stand in `surface.pores`, `surface.wet_patch` and
+`surface.flow_graph` (c: the capacity, mm; r: the residual saturation; psi: the potential):
+
+=============  =======  ============================================================================
+word           unit     meaning
+=============  =======  ============================================================================
+entry          mm3/s    potential of a neighbour above which its water enters a dry node; 0 once the
+                        node is soaked. Glue raises it, wet neighbours lower it (`ease_entries`)
+entry depth    mm       depth at which a dry node is soaked: a c with a > r (`Material.advance`)
+entry ratio    0 to 1   entry of a node's widest pores, which fill first, over that of its narrowest
+barrier        mm3/s    highest entry of a node and its neighbours; 0: no edge there can be stopped
+soaked         0 to 1   greatest water over entry depth since the node was last dry; from 1 on water
+                        enters and leaves freely
+clogged        0 to 1   fraction of what dried glue can clog that it has clogged: it raises the
+                        entry depth and lowers the conductance of links
+closed         0, 1, 2  whether the links of a node are not known yet (1), and water would go there
+                        (2), so that its block has to be opened first
+sieve          mm3/s    potential from which on pores pass coarse pigment at `passing` times the
+                        speed of the water; below it in proportion
+=============  =======  ============================================================================
 """
 
 from __future__ import annotations
@@ -26,9 +47,9 @@ from numpy.typing import NDArray
 
 from paint3d.core.kernel import kernel
 
-__all__ = ["TOO_LITTLE_ROOM", "Absorption", "WetFields", "Workspace", "move_water"]
+__all__ = ["WORKSPACE_TOO_SMALL", "Absorption", "WetFields", "Workspace", "move_water"]
 
-TOO_LITTLE_ROOM = -2
+WORKSPACE_TOO_SMALL = -2
 
 _MOST = 0.5  # of the pores' depth: a longer step in which more moves is cut in parts
 _LOOSE_CAPTURE = 0.2  # capture rate of loose flocs over that of fine pigment
@@ -40,7 +61,7 @@ _GONE = -(1 << 30)  # of what a node waits for, once it is taken out of its turn
 
 
 class WetFields(NamedTuple):
-    """What a step knows of all nodes (N), links (L) and blocks (B); P pigments."""
+    """State of all nodes (N), links (L) and blocks (B) for a step; P pigments."""
 
     first: NDArray  # (N,) int64, the run of each node's links
     last: NDArray  # (N,) int64
@@ -48,21 +69,21 @@ class WetFields(NamedTuple):
     weights: NDArray  # (L,) float64, of the edges, all >= 0
     area: NDArray  # (N,) float64, mm2
     block: NDArray  # (N,) int32
-    closed: NDArray  # (N,) uint8, 1 where neighbours are not known; 2: water would go there
+    closed: NDArray  # (N,) uint8, see the table: 0, 1 or 2
     place: NDArray  # (N,) int32, work, 0 before and after
     residual: NDArray  # (N,) float64, these carry the grain: see `surface.kernels.diffusion`
-    strength: NDArray  # (N,) float64, c D (1 - r) / 3
-    sieve: NDArray  # (N,) float64, potential from which on pores let all pigment pass
-    catch: NDArray  # (N,) float64, share of the fine pigment coming through its pores that it keeps
-    entry_depth: NDArray  # (N,) float64, depth to which a dry node fills before water goes on, mm
-    entry: NDArray  # (N,) float64, potential that it takes to get in: 0 where it is wet already
+    strength: NDArray  # (N,) float64, psi of full pores, c D (1 - r) / 3, mm3/s
+    sieve: NDArray  # (N,) float64, mm3/s
+    catch: NDArray  # (N,) float64, fraction of fine pigment coming through its pores that it keeps
+    entry_depth: NDArray  # (N,) float64, mm
+    entry: NDArray  # (N,) float64, mm3/s
     water: NDArray  # (N,) float64, depth, mm
     pigment: NDArray  # (N, P) float64, coats
     fine: NDArray  # (N, P) float64, of these, what goes with the water until a pore catches it
     loose: NDArray  # (N, P) float64, and the flocs that much water parts, which pores hardly catch
     mobility: NDArray  # (P,) float64, what pores let pass of the others, over that of soot
     sticks: NDArray  # (P,) float64, to pores, 0 to 1: soot does, a dye does not
-    soaked: NDArray  # (N,) float32, fullest since it was dry: water over `entry_depth`, 1 at most
+    soaked: NDArray  # (N,) float32, 0 to 1
     changed: NDArray  # (N,) bool, set where anything moved
     owed: NDArray  # (B,) float32, time since each block's last step, s
     due: NDArray  # (B,) bool, those that take theirs now
@@ -72,15 +93,13 @@ class WetFields(NamedTuple):
 
 
 class Absorption(NamedTuple):
-    """What takes the water up."""
+    """Properties of the pores that are the same everywhere."""
 
     capacity: float  # depth that the pores hold, mm
     film: float  # diffusivity of a film on them, mm2/s
     passing: float  # speed of coarse soot over that of the water where pores let it pass, 0 to 1
     pores: float  # depth of the pores, mm: a film as deep on them floats half of their pigment
-    entry_ratio: (
-        float  # entry potential of a cell's widest pores over that of its narrowest, 0 to 1
-    )
+    entry_ratio: float  # 0 to 1
 
 
 class Workspace(NamedTuple):
@@ -102,23 +121,23 @@ class _Rows(NamedTuple):
     edge_flow: NDArray  # (2, K) float64, what came in by edges with an entry; in the end what
     # runs out and carries soot, and what of it runs as a film, which carries all pigment
     totals: NDArray  # (R,) float64, sum of x
-    share: NDArray  # (R,) float64, 1 / area
+    per_area: NDArray  # (R,) float64, 1 / area, 1/mm2
     residual_depth: NDArray  # (R,) float64, depth below which nothing moves
     inverse: NDArray  # (R,) float64, 1 / (capacity - residual_depth)
     strength: NDArray  # (R,) float64
     sieve: NDArray  # (R,) float64
-    entry: NDArray  # (R + ring,) float64, entry potential at the present filling
+    entry: NDArray  # (R + ring,) float64, at the present filling
     full_entry: NDArray  # (R + ring,) float64, that of the narrowest pores
     per_entry_depth: NDArray  # (R + ring,) float64, 1 / the depth at which these are full
     before: NDArray  # (R,) float64, depth
-    barrier: NDArray  # (R,) float64, the highest entry here and beside: 0 where nothing is stopped
+    barrier: NDArray  # (R,) float64
     psi: NDArray  # (R + ring,) float64, now
     mean: NDArray  # (2, R + ring) float64, averaged over the time up to this stage and the last
 
 
 @kernel(error_model="numpy", inline="always")
 def _psi(depth, residual_depth, inverse, strength, film, capacity):
-    """psi (mm2/s) of a depth (mm); `inverse` is 1 / (capacity - residual_depth)."""
+    """Potential psi (mm3/s) of a depth (mm); `inverse` is 1 / (capacity - residual_depth)."""
     s = (depth - residual_depth) * inverse
     within = min(max(s, 0.0), 1.0)
     above = film * (depth - capacity) if s >= 1.0 else 0.0
@@ -205,7 +224,7 @@ def _grow(f, rows, n_rows, n_ids, rest, absorption):
         residual_depth = capacity * f.residual[i]
         rows.starts[r + 1] = end
         rows.totals[r] = total
-        rows.share[r] = 1.0 / f.area[i]
+        rows.per_area[r] = 1.0 / f.area[i]
         rows.residual_depth[r] = residual_depth
         rows.inverse[r] = 1.0 / (capacity - residual_depth)
         rows.strength[r] = f.strength[i]
@@ -219,8 +238,8 @@ def _grow(f, rows, n_rows, n_ids, rest, absorption):
 
 
 @kernel(error_model="numpy")
-def _is_shut(f, rows, r):
-    """Whether the neighbours of a row are not all known; those are marked."""
+def _reaches_closed(f, rows, r):
+    """Whether a neighbour of a row is closed; those that are get marked (2)."""
     found = False
     for e in range(rows.starts[r], rows.starts[r + 1]):
         i = rows.ids[rows.cols[e]]
@@ -232,7 +251,7 @@ def _is_shut(f, rows, r):
 
 @kernel(error_model="numpy")
 def _count_stages(rows, n_rows, absorption):
-    """How many stages are stable, by the steepest slope of psi that each node can come to."""
+    """Count the stages that are stable, by the steepest slope of psi each node can come to."""
     film, rises = absorption.film, 1.0 - absorption.entry_ratio
     stiffest = 0.0  # its third power: that of a slope that grows with psi to 2/3 needs no root
     for r in range(n_rows):
@@ -246,7 +265,7 @@ def _count_stages(rows, n_rows, absorption):
         if top >= strength:
             slope, part = max(slope, film), 1.0
         if top > 0.0:
-            stiff = slope * rows.totals[r] * rows.share[r]
+            stiff = slope * rows.totals[r] * rows.per_area[r]
             stiffest = max(stiffest, stiff * stiff * stiff * part * part)
     return max(1, int(np.ceil(0.5 * (np.sqrt(1.0 + 8.0 * np.cbrt(stiffest)) - 1.0))))
 
@@ -258,8 +277,8 @@ def _fall(own, other, own_entry, other_entry):
 
 
 @kernel(error_model="numpy")
-def _run_stage(rows, n_rows, stage, n_stages, absorption, come):
-    """Bring all potentials to the end of a stage; see the module. `come` (R,) is for work."""
+def _run_stage(rows, n_rows, stage, n_stages, absorption, inflows):
+    """Bring all potentials to the end of a stage; see the module. `inflows` (R,) is scratch."""
     capacity, film = absorption.capacity, absorption.film
     now = rows.mean[stage % 2]
     last = rows.mean[1 - stage % 2]
@@ -283,9 +302,9 @@ def _run_stage(rows, n_rows, stage, n_stages, absorption, come):
                 edge_flow[e] = a * edge_flow_last[e] + b * edge_flow[e] + c * rows.x[e] * fall
                 flows = rows.x[e] * (now[k] - now[r])
                 inflow += flows if entry == 0.0 and rows.entry[k] == 0.0 else edge_flow[e]
-        come[r] = inflow
+        inflows[r] = inflow
     for r in range(n_rows):  # apart, several at once
-        depth = rows.before[r] + rows.share[r] * come[r]
+        depth = rows.before[r] + rows.per_area[r] * inflows[r]
         filled = max(depth, 0.0) * rows.per_entry_depth[r]
         rows.entry[r] = _entry_of(rows.full_entry[r], filled, absorption.entry_ratio)
         rows.psi[r] = _psi(
@@ -330,10 +349,10 @@ def _find_flows(rows, n_rows, n_ids, n_stages, absorption):
             total += flow
             level = min(own, other)
             on_top = max(level - full, 0.0)
-            film_share = on_top / (on_top + held) if on_top > 0.0 else 0.0
+            film_fraction = on_top / (on_top + held) if on_top > 0.0 else 0.0
             between = 0.5 * (own + other)
-            share = max(min(always + opens * between, passing), film_share)
-            cols[n], x[n], carries[n], floating[n] = k, flow, flow * share, flow * film_share
+            carried = max(min(always + opens * between, passing), film_fraction)
+            cols[n], x[n], carries[n], floating[n] = k, flow, flow * carried, flow * film_fraction
             goes = np.uint32(flow > 0.0)
             waits[k] += np.int32(goes)
             n += goes
@@ -385,7 +404,7 @@ def _carry(f, rows, n_rows, n_ids, work):
         scale = gone / out if out > 0.0 else 0.0
         f.changed[i] = True
         _mix(f, rows, r, volume, gone, (scale * carrying, scale * floating), coming)
-        share, left = rows.share[r], volume - gone
+        per_area, left = rows.per_area[r], volume - gone
         spacing, links = np.sqrt(f.area[i]), np.float64(f.last[i] - f.first[i])
         for e in range(begin, end):
             k = rows.cols[e]
@@ -412,9 +431,9 @@ def _carry(f, rows, n_rows, n_ids, work):
                     coming[k, 1 + 3 * p] += coarse
                     coming[k, 2 + 3 * p] += fine
                     coming[k, 3 + 3 * p] += loose
-                    f.fine[i, p] -= share * fine
-                    f.loose[i, p] -= share * loose
-                    f.pigment[i, p] -= share * (coarse + fine + loose)
+                    f.fine[i, p] -= per_area * fine
+                    f.loose[i, p] -= per_area * loose
+                    f.pigment[i, p] -= per_area * (coarse + fine + loose)
                 fine, loose = flux * coming[r, 2 + 3 * p], flux * coming[r, 3 + 3 * p]
                 held = min(1.0, f.sticks[p] * f.catch[j])
                 catches = min(1.0, held * within)
@@ -452,9 +471,9 @@ def _mix(f, rows, r, volume, gone, carrying, coming):
     stays behind. What goes on is given per volume of these.
     """
     i = rows.ids[r]
-    area, share = f.area[i], rows.share[r]
+    area, per_area = f.area[i], rows.per_area[r]
     fine_part = 1.0 / volume if gone > 0.0 else 0.0
-    f.water[i] = (volume - gone) * share
+    f.water[i] = (volume - gone) * per_area
     for p in range(f.pigment.shape[1]):
         drawn = _drawn(f.mobility[p], carrying[0], carrying[1])
         part = 1.0 / (volume - gone + drawn) if drawn > 0.0 else 0.0  # of it, per volume drawn
@@ -465,9 +484,9 @@ def _mix(f, rows, r, volume, gone, carrying, coming):
         coming[r, 2 + 3 * p] = fine_part * fine
         coming[r, 3 + 3 * p] = fine_part * loose
         coming[r, 1 + 3 * p] = part * coarse
-        f.fine[i, p] = (1.0 - fine_part * gone) * fine * share
-        f.loose[i, p] = (1.0 - fine_part * gone) * loose * share
-        f.pigment[i, p] = (1.0 - part * drawn) * coarse * share + f.fine[i, p] + f.loose[i, p]
+        f.fine[i, p] = (1.0 - fine_part * gone) * fine * per_area
+        f.loose[i, p] = (1.0 - fine_part * gone) * loose * per_area
+        f.pigment[i, p] = (1.0 - part * drawn) * coarse * per_area + f.fine[i, p] + f.loose[i, p]
 
 
 @kernel(error_model="numpy")
@@ -477,13 +496,13 @@ def _take_rest(f, rows, n_rows, coming):
         if coming[r, 0] > 0.0:
             i = rows.ids[r]
             f.changed[i] = True
-            f.water[i] += coming[r, 0] * rows.share[r]
+            f.water[i] += coming[r, 0] * rows.per_area[r]
             for p in range(f.pigment.shape[1]):
                 fine, loose = (
-                    coming[r, 2 + 3 * p] * rows.share[r],
-                    coming[r, 3 + 3 * p] * rows.share[r],
+                    coming[r, 2 + 3 * p] * rows.per_area[r],
+                    coming[r, 3 + 3 * p] * rows.per_area[r],
                 )
-                f.pigment[i, p] += coming[r, 1 + 3 * p] * rows.share[r] + fine + loose
+                f.pigment[i, p] += coming[r, 1 + 3 * p] * rows.per_area[r] + fine + loose
                 f.fine[i, p] += fine
                 f.loose[i, p] += loose
 
@@ -495,13 +514,13 @@ def _greatest_change(f, rows, n_rows, shortest):
     for r in range(n_rows):
         if f.owed[f.block[rows.ids[r]]] < shortest:
             continue
-        most = max(most, abs(rows.totals[r]) * rows.share[r])
+        most = max(most, abs(rows.totals[r]) * rows.per_area[r])
     return most
 
 
 @kernel(error_model="numpy", inline="always")
 def _settle(f, i, water):
-    """Let flocs come to rest on fibres where the water between them gets little."""
+    """Bring flocs to rest on fibres where the water between them gets little."""
     afloat = 0.0
     for p in range(f.pigment.shape[1]):
         afloat += f.loose[i, p]
@@ -527,8 +546,8 @@ def _note(f, rows, n_rows, rest):
         if np.isinf(f.owed[b]):
             f.owed[b] = rest
         _settle(f, i, water)
-        share = water / f.entry_depth[i] if water < f.entry_depth[i] else 1.0
-        f.soaked[i] = max(f.soaked[i], share)
+        filled = water / f.entry_depth[i] if water < f.entry_depth[i] else 1.0
+        f.soaked[i] = max(f.soaked[i], filled)
         if f.soaked[i] >= 1.0:
             f.entry[i] = 0.0
 
@@ -551,7 +570,7 @@ def _seed(f, rows, nodes, around, absorption):
 
 
 @kernel(error_model="numpy")
-def _find(f, rows, known, rest, absorption, come):
+def _find(f, rows, known, rest, absorption, inflows):
     """Find what flows; return rows and nodes known, stages, and whether more has to be known."""
     inner, n_rows = 0, known  # those within have all neighbours among the rows
     rows.starts[0] = 0
@@ -562,12 +581,12 @@ def _find(f, rows, known, rest, absorption, come):
     rows.psi[n_rows:known] = 0.0
     while n_stages == 0 or stage < n_stages:
         reaches = False
-        is_shut = False
+        reaches_closed = False
         for r in range(inner, n_rows):
             if rows.psi[r] > 0.0:
                 reaches = True
-                is_shut = _is_shut(f, rows, r) or is_shut
-        if is_shut:
+                reaches_closed = _reaches_closed(f, rows, r) or reaches_closed
+        if reaches_closed:
             return n_rows, known, -1
         if reaches:
             inner, n_rows, was = n_rows, known, known
@@ -577,14 +596,14 @@ def _find(f, rows, known, rest, absorption, come):
         if n_stages == 0:
             n_stages = _count_stages(rows, n_rows, absorption)
         stage += 1
-        _run_stage(rows, n_rows, stage, n_stages, absorption, come)
+        _run_stage(rows, n_rows, stage, n_stages, absorption, inflows)
     _find_flows(rows, n_rows, known, n_stages, absorption)
     return n_rows, known, n_stages
 
 
 @kernel(error_model="numpy")
 def _measure(f, nodes, around):
-    """How many nodes and links there are, and the longest time that is owed.
+    """Count nodes and links, and find the longest time that is owed.
 
     -1 nodes where there is water around of which it is not known where it goes.
     """
@@ -605,8 +624,8 @@ def _measure(f, nodes, around):
 
 
 @kernel(error_model="numpy")
-def move_water(f, nodes, around, absorption, shortest, rest, room):
-    """Let the water of some blocks run for the time that they are owed, or a part of it.
+def move_water(f, nodes, around, absorption, shortest, rest, workspace):
+    """Move the water of some blocks for the time that they are owed, or a part of it.
 
     Parameters
     ----------
@@ -621,25 +640,25 @@ def move_water(f, nodes, around, absorption, shortest, rest, room):
         A longer step, s, in which much would move is not taken whole.
     rest : (1,) f64
         Filled with what all these blocks are still owed then, if they are not owed less.
-    room : Workspace
-        For M nodes, these and around, and their K links it has to have (15 + 3 P) M + 3 K numbers
-        and 4 M + 1 + K whole ones.
+    workspace : Workspace
+        For M nodes, these and around, and their K links at least (15 + 3 P) M + 3 K floats and
+        4 M + 1 + K ints.
 
     Returns
     -------
     int
         Stages taken; below 0 nothing was done: -1 where more of the surface has to be known, or
-        TOO_LITTLE_ROOM.
+        WORKSPACE_TOO_SMALL.
     """
     size, n_links, longest = _measure(f, nodes, around)
     if size < 0:
         return -1
     n_work = size * (1 + 3 * f.pigment.shape[1])
     n_floats = n_work + 14 * size + 3 * n_links
-    if room.floats.shape[0] < n_floats or room.ints.shape[0] < 4 * size + 1 + n_links:
-        return TOO_LITTLE_ROOM
-    rows = _make_rows(room.floats[n_work:], room.ints, size, n_links)
-    work = room.floats[:n_work]
+    if workspace.floats.shape[0] < n_floats or workspace.ints.shape[0] < 4 * size + 1 + n_links:
+        return WORKSPACE_TOO_SMALL
+    rows = _make_rows(workspace.floats[n_work:], workspace.ints, size, n_links)
+    work = workspace.floats[:n_work]
     length = longest
     while True:
         rest[0] = longest - length

@@ -30,7 +30,7 @@ __all__ = [
 
 
 class Entries(NamedTuple):
-    """Where vertices stand in patches (V: room for vertices, E: for entries)."""
+    """Entries of vertices in patches (V: capacity for vertices, E: for entries)."""
 
     head: NDArray  # (V,) int32, a vertex's first entry, -1: in no patch
     patch: NDArray  # (E,) int32

@@ -18,7 +18,7 @@ _BLOCK = 1024  # points whose cells are found at once, by vector instructions
 
 
 class DepthMap(NamedTuple):
-    """What a parallel light meets first."""
+    """Depth map of a parallel light: what it meets first."""
 
     centre: NDArray[np.float64]  # (3,), mm: what places are relative to
     axes: NDArray[np.float64]  # (3, 3), rows u, v, w; w toward the light
@@ -79,13 +79,13 @@ def fill_depth_map(points, depth_map):
 
 
 @kernel
-def add_sunlight(points, normals, lift, depth_map, light, floor, lit, hidden):
+def add_sunlight(points, normals, offset, depth_map, light, floor, lit, hidden):
     """Add the light of one parallel source to points of a surface; cost O(N).
 
     Parameters
     ----------
     points, normals : (N, 3) float32
-    lift : float
+    offset : float
         How far along its normal a point is moved before it is looked up, mm.
     depth_map : DepthMap
     light : Light
@@ -104,9 +104,9 @@ def add_sunlight(points, normals, lift, depth_map, light, floor, lit, hidden):
         )
         if cosine <= 0.0:
             continue
-        x = points[n, 0] + lift * normals[n, 0] - centre[0]
-        y = points[n, 1] + lift * normals[n, 1] - centre[1]
-        z = points[n, 2] + lift * normals[n, 2] - centre[2]
+        x = points[n, 0] + offset * normals[n, 0] - centre[0]
+        y = points[n, 1] + offset * normals[n, 1] - centre[1]
+        z = points[n, 2] + offset * normals[n, 2] - centre[2]
         u = (axes[0, 0] * x + axes[0, 1] * y + axes[0, 2] * z) * scale + middle
         v = (axes[1, 0] * x + axes[1, 1] * y + axes[1, 2] * z) * scale + middle
         w = axes[2, 0] * x + axes[2, 1] * y + axes[2, 2] * z

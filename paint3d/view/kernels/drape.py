@@ -29,7 +29,7 @@ class _Ray(NamedTuple):
 
 @kernel(error_model="numpy")
 def _enters(boxes, node, ray, near, far):
-    """Where a ray enters a box between two distances along it; inf where it misses it."""
+    """Distance at which a ray enters a box, between two; inf where it misses it."""
     for low, high, way in (
         (boxes[node, 0] - ray.x, boxes[node, 3] - ray.x, ray.dx),
         (boxes[node, 1] - ray.y, boxes[node, 4] - ray.y, ray.dy),
@@ -50,7 +50,7 @@ def _enters(boxes, node, ray, near, far):
 
 @kernel(error_model="numpy")
 def _meets(points, a, b, c, ray):
-    """Where a ray meets the front of triangle abc, and the weights there; inf where it does not."""
+    """Distance at which a ray meets the front of triangle abc, and the weights there; inf: none."""
     x, y, z, dx, dy, dz = ray
     ax, ay, az = points[a, 0] - x, points[a, 1] - y, points[a, 2] - z
     bx, by, bz = points[b, 0] - x, points[b, 1] - y, points[b, 2] - z
@@ -103,7 +103,7 @@ def _first_met(tree, ray, reach, stack):
 
 @kernel(error_model="numpy")
 def drape_points(tree, points, direction, reach, out, landed):
-    """Let points fall along a direction until they meet the surface.
+    """Drop points along a direction until they meet the surface.
 
     A point that begins up to 3 mm below it lies where it would have met it.
 

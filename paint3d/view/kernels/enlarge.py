@@ -47,7 +47,7 @@ def enlarge(small, rows, down, columns, across, mixed, large):
             mixed[x] = ((p * to_low + q * to_high + _HALF) >> _EIGHT) & _APART
         mixed[width] = mixed[width - 1]
         for x in range(large.shape[1]):
-            k, share = columns[x], np.uint64(across[x])
-            both = mixed[k] * (_WHOLE - share) + mixed[k + 1] * share + _HALF
+            k, weight = columns[x], np.uint64(across[x])
+            both = mixed[k] * (_WHOLE - weight) + mixed[k + 1] * weight + _HALF
             both = (both >> _EIGHT) & _APART
             large[last - y, x] = np.uint32(both | (both >> _FOUR))

@@ -21,7 +21,7 @@ def add_shine(points, normals, colours, eye, lamps, lobes, plain, out):
         Either side of a surface shines.
     colours : (N, 4) uint8
         The fourth says how each shines: `plain` as the first lobe, 255 as the second, 1 as the
-        third, and between them as shares of both.
+        third, and between them as fractions of both.
     eye : (3,) float64
         From where it is seen.
     lamps : (L, 6) float64

@@ -185,7 +185,7 @@ def take_mark(surface: PaintedSurface, cuts: int = CUTS) -> Mark:
     Cover and ink are linear over each face, as colours are drawn.
     """
     vertices = np.asarray(surface.paint_mesh.vertices, float)
-    cover = surface.share_painted().astype(float)
+    cover = surface.painted_coverage().astype(float)
     lasting = np.array([p is not WATER for p in surface.pigments], float)
     ink = surface.amounts.astype(float) @ lasting
     dry = surface.dry_layers

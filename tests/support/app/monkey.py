@@ -569,7 +569,7 @@ class Monkey(QtCore.QObject):
             self._new_window()
         if self.window.hand.in_stroke and not self._is_blocked():
             self._fault("state", "a stroke goes on though nothing touches")
-            self.window.hand.lift()
+            self.window.hand.end_stroke()
 
     def _round(self) -> None:
         now = time.monotonic()

@@ -142,7 +142,7 @@ function makeFound(kernels: Kernels, mesh: PaintMesh): { [name: string]: NDArray
     ids: kernels.zeros("i4", n),
     ahead: single(),
     aside: single(),
-    share: single(),
+    fraction: single(),
     cover: single(),
     lanes: kernels.zeros("i2", n),
     under: single(),

@@ -284,7 +284,7 @@ export class Hand {
     const descent = Math.min(pressure * tuft.full_press, deepest);
     const { scratch, reach, half } = this.#outline;
     const n = this.kernels.call(
-      "brush_engine.tuft.trace_outline", tuft, descent, tilt, pressure, scratch, reach, half,
+      "brush_engine.outline.trace_outline", tuft, descent, tilt, pressure, scratch, reach, half,
     ) as number; // prettier-ignore
     const middle = n > 0 ? 0.5 * (reach.data[0] + reach.data[n - 1]) : 0.0;
     const foot = minus(place, times(bend, middle));

@@ -27,7 +27,7 @@ const BESIDE = 0.35;
 const [EDGE_GAIN, EDGE_REACH] = [8.0, 1.0];
 const EDGE_SWEEPS = 2;
 const DRY = 1e-9; // mm
-const TOO_LITTLE_ROOM = -2;
+const WORKSPACE_TOO_SMALL = -2;
 const ROOM = 1 << 18; // floats
 const MOST_NODES = 60_000; // that are moved at once
 
@@ -264,7 +264,7 @@ export class Flow {
         this.#fields(step), nodes, rims, absorption, SHORTEST, rest,
         { floats: this.#floats, ints: this.#ints },
       ) as number; // prettier-ignore
-      if (stages !== TOO_LITTLE_ROOM) break;
+      if (stages !== WORKSPACE_TOO_SMALL) break;
       const room = 2 * this.#floats.length;
       this.#floats.free();
       this.#ints.free();

@@ -197,12 +197,12 @@ export class PoreFinder {
 export function closePore(
   material: Material, residual: number, strength: number, entryDepth: number, conductance: number, glue: number,
 ): [number, number, number] {
-  const closed = glue / (glue + GLUE);
+  const clogged = glue / (glue + GLUE);
   const depth = capacityOf(material);
   const full = FULL * depth;
-  const kept = entryDepth + GLUE_OF_ENTRY * closed * Math.max(0.0, full - entryDepth);
+  const kept = entryDepth + GLUE_OF_ENTRY * clogged * Math.max(0.0, full - entryDepth);
   let s = clip(kept / depth - residual, 0.0, 1.0);
   s = Math.min(1.0, s / (1.0 - residual));
   const poolEntry = filmOf(material) * POOL_MM * repellenceOf(material);
-  return [kept, strength * (s * s * s) + poolEntry, conductance * (1.0 - GLUE_OF_WAYS * closed)];
+  return [kept, strength * (s * s * s) + poolEntry, conductance * (1.0 - GLUE_OF_WAYS * clogged)];
 }

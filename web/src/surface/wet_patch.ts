@@ -420,7 +420,7 @@ export class WetPatch {
     }
     surface.settle(ids.filter((_, i) => covered[i] > 0.0));
     this.#seen = [surface.dryLayers, surface.dryLayers.changes];
-    this.#closePores(nodes);
+    this.#clogPores(nodes);
     this.#weigh(nodes);
     surface.touch(ids.filter((_, i) => !(covered[i] > 0.0)));
     const [amounts, coverage] = [surface.ink.amounts.data, surface.ink.coverage.data];
@@ -508,7 +508,7 @@ export class WetPatch {
       this.bareConductance.data.set(found.conductance, from);
       const caught = this.catch.data;
       for (let k = from; k < n; k++) caught[k] = 1.0 - evenExp(-Math.sqrt(area[k]) / found.catch[k - from]);
-      this.#closePores(Int32Array.from({ length: n - from }, (_, k) => from + k));
+      this.#clogPores(Int32Array.from({ length: n - from }, (_, k) => from + k));
       const { area_units: units, area_unit: unit } = surface.paintMesh.arrays;
       const [share, all, vertices, nodeOf] = [this.share.data, units.data, graph.vertices.data, graph.nodeOf.data];
       for (let place = graph.firstPlace(from); place < graph.nPlaces; place++)
@@ -526,7 +526,7 @@ export class WetPatch {
   }
 
   /** Close the pores of nodes by the glue of the ink that has dried there. */
-  #closePores(nodes: Int32Array): void {
+  #clogPores(nodes: Int32Array): void {
     const { graph, surface } = this;
     const [residual, strength] = [this.residual.data, this.strength.data];
     const [bareEntryDepth, bareConductance] = [this.bareEntryDepth.data, this.bareConductance.data];
@@ -547,7 +547,7 @@ export class WetPatch {
     if (dryLayers === this.#seen[0] && dryLayers.changes === this.#seen[1]) return;
     this.#seen = [dryLayers, dryLayers.changes];
     const before = this.conductance.data.slice();
-    this.#closePores(Int32Array.from({ length: this.#nNodes }, (_, k) => k));
+    this.#clogPores(Int32Array.from({ length: this.#nNodes }, (_, k) => k));
     const conductance = this.conductance.data;
     this.#weigh(Int32Array.from(before.keys()).filter((k) => conductance[k] !== before[k]));
   }

@@ -31,7 +31,7 @@ class Meaning:
     Attributes
     ----------
     kind : str
-        "press", "move", "lift", "cancel" of one finger; "turn" by (dx, dy); "pinch": move by
+        "press", "move", "release", "cancel" of one finger; "turn" by (dx, dy); "pinch": move by
         (dx, dy), go nearer by `factor` and roll anticlockwise by `angle` at (x, y); "tap" with
         `count` fingers.
     time_ns : int
@@ -134,7 +134,7 @@ class Fingers:
             meanings = self._press(time_ns) if self._state == "waiting" else []
             self._state = "over"
             x, y = self._last
-            return [*meanings, Meaning("lift", time_ns, x, y)]
+            return [*meanings, Meaning("release", time_ns, x, y)]
         self._last = position
         if self._state == "one":
             return [Meaning("move", time_ns, *position)]

@@ -22,13 +22,8 @@ import numpy as np
 from paint3d.app.model.input.pressure_curve import PressureCurve
 from paint3d.brush.bending import build_tuft
 from paint3d.brush.spec import BrushSpec
-from paint3d.brush_engine.tuft import (
-    OUTLINE_CAPACITY,
-    SCRATCH_SIZE,
-    Tuft,
-    greatest_descent,
-    trace_outline,
-)
+from paint3d.brush_engine.outline import OUTLINE_CAPACITY, SCRATCH_SIZE, trace_outline
+from paint3d.brush_engine.tuft import Tuft, greatest_descent
 from paint3d.core.arrays import AnyArray, as_array, as_number, cross, length_of
 from paint3d.core.quaternion import quaternions_from_matrices
 from paint3d.device.recorded import MAX_FORCE_N

@@ -86,7 +86,7 @@ class RecoveryFolder:
         except OSError as cause:
             raise _keeping_error(root, cause) from None
         try:
-            self.turn_page(document)
+            self.rotate_journal(document)
             self._describe(document, modified=False)  # without a base nothing could come back
             self.save_base(document)
         except OSError as cause:
@@ -113,16 +113,16 @@ class RecoveryFolder:
     def together(self) -> Iterator[None]:
         """Write what is appended meanwhile at once, at the end; see `Journal.together`.
 
-        The page must not be turned within.
+        The journal must not be rotated within.
         """
         with self._open_journal().together():
             yield
 
     def _open_journal(self) -> Journal:
-        assert self._journal is not None, "a page is open from the start"
+        assert self._journal is not None, "a journal is open from the start"
         return self._journal
 
-    def turn_page(self, document: Document) -> None:
+    def rotate_journal(self, document: Document) -> None:
         """Start the next journal; `save_base` is to follow.
 
         All that was written down must have been painted.
@@ -156,7 +156,7 @@ class RecoveryFolder:
         base = self.folder / f"base-{self._number}.p3d"
         document.save_copy(base)
         make_private(base)
-        with suppress(ExportError):  # turning the page will report it
+        with suppress(ExportError):  # rotating the journal will report it
             self._prepare_next_journal()
         with suppress(OSError):
             self._describe(
@@ -170,7 +170,7 @@ class RecoveryFolder:
                     old[1].unlink()
 
     def _prepare_next_journal(self) -> None:
-        """Create the next journal ahead, so that turning the page waits for no disk."""
+        """Create the next journal ahead, so that rotating waits for no disk."""
         if self._next is None:
             self._next = Journal(self.folder / f"journal-{self._number + 1}.p3dj", {})
             make_private(self._next.path)

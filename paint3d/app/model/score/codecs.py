@@ -349,7 +349,8 @@ def _encode_edit(arguments: Mapping[str, Any], vocabulary: Vocabulary) -> JsonOb
 
 
 def _decode_edit(fields: Mapping[str, Any], vocabulary: Vocabulary) -> dict[str, Any]:
-    now = {"numbers": "places", "number": "place"}  # as older journals call them
+    # as older journals call them, all from 0
+    now = {"places": "indices", "numbers": "indices", "place": "index", "number": "index"}
     which = {now.get(key, key): value for key, value in fields.items()}
     return {**which, "edit": _decode_ink(fields["edit"], vocabulary)}
 

@@ -17,7 +17,7 @@ from paint3d.errors import Paint3DError, RecordingError
 from paint3d.files.project.session import Session
 from paint3d.painter.painter import Painter
 from paint3d.recording.recording import Recording
-from paint3d.recording.score import Score, check_command
+from paint3d.recording.score import Score, check_command, undo_kinds
 from paint3d.surface.painted_surface import PaintedSurface
 
 __all__ = ["ScoreRecorder", "recorded"]
@@ -45,10 +45,6 @@ _Document = TypeVar("_Document", bound=_Recorded)
 
 _OF_WHOLE = ("brush", "ink", "dipped", "dips", "amount", "azimuth")
 """Settings of a painting that was painted whole which say with what, where it is gone on with."""
-_PREVIEW_COMMANDS = frozenset(  # that begin or end a preview
-    {"undo", "redo", "replay_history", "begin_stroke", "dry", "blot", "press_seal",
-     "lay_text", "remove_text"}
-)  # fmt: skip
 
 
 class _SampleRun(list[DeviceSample]):
@@ -134,7 +130,8 @@ class ScoreRecorder:
         recorder._events += [{"do": name} for name in ("set_symmetry", "set_mask") if name in names]
         if "set_tags" in names:
             recorder._events.append({"do": "set_tags", "tags": {}})
-        went = next((line for line in reversed(lines) if line["do"] in _PREVIEW_COMMANDS), {})
+        history = [line for line in lines if undo_kinds().get(line["do"], "layers") != "layers"]
+        went = history[-1] if history else {}
         if went.get("passing"):  # it was saved while somebody only looked at what was before
             recorder._events.append({"do": "replay_history", "upto": n_strokes})
         return recorder

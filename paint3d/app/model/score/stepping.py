@@ -89,7 +89,7 @@ def _make_steps(score: Score, surface: PaintedSurface, first: int) -> Iterator[P
 def _decode_events(
     score: Score, surface: PaintedSurface, first: int
 ) -> Iterator[tuple[int, Event, dict[str, Any]]]:
-    """Events from `first` on: number, event, and a command's arguments; none that was refused."""
+    """Events from `first` on: index, event, and a command's arguments; none that was refused."""
     vocabulary = Vocabulary(surface, InkTable.of(score.header))
     for k, event in enumerate(score.events[first:], first):
         arguments: dict[str, Any] = {}

@@ -491,7 +491,7 @@ class CanvasWidget(QtWidgets.QWidget):
         else:
             if meant.kind == "press":
                 self._pressed_ns = meant.time_ns
-            down = self._finger_down = meant.kind != "lift"
+            down = self._finger_down = meant.kind != "release"
             pressure = self._finger_pressure
             self._touch(Touch(meant.time_ns, meant.x, meant.y, pressure, down=down))
             if not down:

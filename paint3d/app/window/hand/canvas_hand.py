@@ -260,7 +260,7 @@ class CanvasHand(QtCore.QObject):
         if self.in_stroke and touch.down:
             paint_thread.feed(self._open_hand.move(event, brush))
         elif self.in_stroke:
-            self.lift(event)
+            self.end_stroke(event)
         elif touch.down:
             self._begin(event, erase=self.erases or touch.eraser)
         else:
@@ -338,7 +338,7 @@ class CanvasHand(QtCore.QObject):
         paint_thread.post("begin_stroke", **({"erase": True} if erase else {}))
         paint_thread.feed(samples)
 
-    def lift(self, event: PointerInput | None = None) -> None:
+    def end_stroke(self, event: PointerInput | None = None) -> None:
         """End the current stroke, where the pen was lifted if that is known."""
         if not self.in_stroke:
             return
@@ -357,7 +357,7 @@ class CanvasHand(QtCore.QObject):
     def interrupt(self) -> None:
         """End the current stroke where it is; a pen that stays down begins no other."""
         if self.in_stroke:
-            self.lift()
+            self.end_stroke()
             self._spent = True
 
     def cancel(self) -> None:

@@ -104,7 +104,7 @@ class Recordings:
             self.do_save_recording(self._recorded_from)
 
     def do_save_recording(self, first: int = 0) -> None:
-        """Ask where, and save the strokes that were painted here from number `first` on."""
+        """Ask where, and save the strokes that were painted here from index `first` on."""
         workspace = self._workspace
         with workspace.paint_thread.paused() as document:
             assert document is not None, "it was waited for"

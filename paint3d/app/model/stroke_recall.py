@@ -1,4 +1,4 @@
-"""Strokes painted again, for those that no undo step takes back.
+"""Recall of strokes that no undo step takes back: they are painted again, each as a step.
 
 Older files hold strokes and no steps, and a file has no capacity for the steps of very many. The
 strokes are painted again on layers of their own; that these make way for the painting as it is
@@ -16,20 +16,20 @@ from paint3d.painter.painter import Ink, Painter
 from paint3d.surface.eraser import Eraser
 from paint3d.surface.undo import UndoHistory
 
-__all__ = ["Repainter", "dips_of", "names_of"]
+__all__ = ["StrokeRecall", "dips_of", "named_dips"]
 
 _Dip = tuple[Ink, float | None]
 _CHUNK = 1000  # samples between two calls of `progress`
 
 
-class Repainter:
-    """Paints strokes of a log once more.
+class StrokeRecall:
+    """Painting of a log's strokes once more, each as a step of undo.
 
     Parameters
     ----------
     painter : Painter
     undo : UndoHistory
-        Which gets a step for each.
+        Gets a step for each.
     progress : callable or None
         Called with the fraction that is done; what it raises stops it.
     """
@@ -84,10 +84,10 @@ class Repainter:
 
 
 def dips_of(painter: Painter) -> Sequence[_Dip]:
-    """Dips that the brush has its ink from: the belly's, and then the tip's."""
+    """Return the dips that the brush has its ink from: the belly's, and then the tip's."""
     return painter.dips or ((painter.dipped, None),)
 
 
-def names_of(dips: Sequence[_Dip]) -> list[tuple[dict[str, float], float | None]]:
-    """Dips by the names of their inks, to be compared."""
+def named_dips(dips: Sequence[_Dip]) -> list[tuple[dict[str, float], float | None]]:
+    """Return dips by the names of their inks, to be compared."""
     return [(weights_of(ink), reach) for ink, reach in dips]
