@@ -44,6 +44,7 @@ __all__ = [
     "TextPlace",
     "WritingArea",
     "find_writing_areas",
+    "finer_detail",
     "frames_for",
     "frames_to_try",
     "layout_text",
@@ -137,6 +138,7 @@ LAYOUTS = ("columns", "row")
 LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 """Range of sizes of text, mm."""
 
+_FEWEST, _ENOUGH = 18.0, 40.0  # vertices to an em: fewer break strokes up, so many show them whole
 _TOUCHING = 0.004  # of the em: squares that share this much do not overlap
 _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
@@ -149,6 +151,13 @@ _TURNS_ASIDE = (0.0625, -0.0625, 0.125, -0.125, 0.1875, -0.1875, 0.25, -0.25, 0.
 _MOST_SPREAD = 1.5  # of the distance of columns: how far a text is spread along a free arc
 _DENSER = 4.0  # times as many characters as areas say may fit at a smaller size: two lines for one
 _SMALLER = 16  # tenths off the em, one after the other, of which one may be proposed
+
+
+def finer_detail(em_mm: float, spacing: float | None) -> float | None:
+    """Vertex spacing (mm) that characters need; None if theirs does not break them up."""
+    if spacing is None or em_mm >= _FEWEST * spacing:
+        return None
+    return float(f"{em_mm / _ENOUGH:.2g}")
 
 
 @dataclass(frozen=True)

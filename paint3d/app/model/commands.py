@@ -287,6 +287,7 @@ _TABLE: tuple[_Row, ...] = (
         Command("delete_strokes", "Delete the chosen strokes", ["Del"], on_picture=True),
         _PART,
         Command("refine", "Refine the whole surface now", icon="refine"),
+        Command("set_detail", "Detail…"),
     ),
     *_menu(
         "view",
