@@ -246,9 +246,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.detail, self.sealing, self.copying, self.writing, self.editing, self.painting,
-             self.brushes, self.inks, self.reference, self.views, self.lamp, self.viewing,
-             self.tour)
+             self.standing, self.detail, self.sealing, self.copying, self.writing, self.editing,
+             self.painting, self.brushes, self.inks, self.reference, self.views, self.lamp,
+             self.viewing, self.tour)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)

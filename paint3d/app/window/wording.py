@@ -27,7 +27,6 @@ __all__ = [
     "say",
     "say_brush",
     "say_coarse",
-    "say_coarse",
     "say_error",
     "say_group",
     "say_hair",

@@ -84,7 +84,7 @@ class Detail:
 
 
 def _go_on_from(document: Document, before: Document) -> None:
-    """Give a painting the file, the inks and the properties of the one that it takes the place of."""
+    """Give a painting the file, the inks and the properties of the one before."""
     document.set_file(before.path, before.file_state)
     document.unit = before.unit
     document.inks[:] = before.inks
