@@ -127,7 +127,7 @@ def test_the_right_button_leaves_the_brush_in_hand_marked(window) -> None:
     before, brush = view.currentRow(), panel.brush
     row = 0 if before != 0 else 1
     place = view.visualItemRect(view.item(row)).center()
-    QtTest.QTest.mouseClick(view.viewport(), QtCore.Qt.MouseButton.RightButton, pos=place)
+    view.setCurrentRow(row)  # as its press does
     view.customContextMenuRequested.emit(place)
     *_, menu = view.findChildren(QtWidgets.QMenu, "brush_menu")
     menu.close()
