@@ -43,8 +43,8 @@ __all__ = [
     "PlacedCharacter",
     "TextPlace",
     "WritingArea",
+    "detail_or_size",
     "find_writing_areas",
-    "finer_detail",
     "frames_for",
     "frames_to_try",
     "layout_text",
@@ -153,11 +153,11 @@ _DENSER = 4.0  # times as many characters as areas say may fit at a smaller size
 _SMALLER = 16  # tenths off the em, one after the other, of which one may be proposed
 
 
-def finer_detail(em_mm: float, spacing: float | None) -> float | None:
-    """Vertex spacing (mm) that characters need; None if theirs does not break them up."""
+def detail_or_size(em_mm: float, spacing: float | None) -> tuple[float, float] | None:
+    """Vertex spacing and em (mm), either of which keeps characters whole; None if theirs does."""
     if spacing is None or em_mm >= _FEWEST * spacing:
         return None
-    return float(f"{em_mm / _ENOUGH:.2g}")
+    return float(f"{em_mm / _ENOUGH:.2g}"), math.ceil(_FEWEST * spacing)
 
 
 @dataclass(frozen=True)

@@ -32,7 +32,8 @@ def press(text: str):
 
     def act(box: QtWidgets.QMessageBox) -> None:
         assert box.text() == (
-            "Characters of 10 mm break up on this surface; they need a detail of 0.25 mm"
+            "Characters of 10 mm break up on this surface: they need a detail of 0.25 mm, or to be "
+            "22 mm large"
         )
         next(button for button in box.buttons() if button.text() == text).click()
 

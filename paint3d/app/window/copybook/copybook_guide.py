@@ -43,7 +43,7 @@ from paint3d.app.window.wording import (
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.composition import compose, seal_below, sign_beside
-from paint3d.calligraphy.layout import LEAST_EM_MM, Layout, finer_detail
+from paint3d.calligraphy.layout import LEAST_EM_MM, Layout, detail_or_size
 from paint3d.calligraphy.page.opening import open_page
 from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.core.arrays import AnyArray
@@ -422,11 +422,11 @@ class CopybookGuide:
         if not moves:
             self._turn_to(book)
         fitted = self._fit_brush(laid, old)
-        finer = finer_detail(laid.em_mm, workspace.painting.resolution)
-        if finer is None or not laid.text.strip():
+        needed = detail_or_size(laid.em_mm, workspace.painting.resolution)
+        if needed is None or not laid.text.strip():
             self._tell_fonts(book, fitted)
         else:
-            self._tell_fonts(book, say_coarse(laid.em_mm, finer), "bad")
+            self._tell_fonts(book, say_coarse(laid.em_mm, *needed), "bad")
         self.laid_out()
         return True
 

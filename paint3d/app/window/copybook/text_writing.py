@@ -20,7 +20,7 @@ from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.wording import say, say_brush, say_coarse, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
-from paint3d.calligraphy.layout import finer_detail
+from paint3d.calligraphy.layout import detail_or_size
 from paint3d.calligraphy.page.laying import PlacedPiece
 from paint3d.calligraphy.writing import WritingSettings, plan_ahead
 from paint3d.core.machine import usable_cores
@@ -137,15 +137,16 @@ class TextWriting:
 
     def _is_fine_enough(self, em_mm: float) -> bool:
         """Offer a finer detail where characters would break up; return whether to write now."""
-        finer = finer_detail(em_mm, self._workspace.painting.resolution)
-        if finer is None:
+        needed = detail_or_size(em_mm, self._workspace.painting.resolution)
+        if needed is None:
             return True
-        message = say_coarse(em_mm, finer)
-        accept = say("Paint anew at {detail}", detail=say_length(finer))
-        window = self._workspace.window
-        answer = ask(window, message, accept=accept, destroy=say("Write it so"), warns=True)
+        accept = say("Paint anew at {detail}", detail=say_length(needed[0]))
+        answer = ask(
+            self._workspace.window, say_coarse(em_mm, *needed),
+            accept=accept, destroy=say("Write it so"), warns=True,
+        )  # fmt: skip
         if answer is Answer.AcceptRole:
-            return self._paint_anew(finer)
+            return self._paint_anew(needed[0])
         return answer is Answer.DestructiveRole
 
     def _offer_smaller(self, em_mm: float, smaller: float) -> bool:
