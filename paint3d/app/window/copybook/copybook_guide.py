@@ -421,12 +421,12 @@ class CopybookGuide:
         self._show_active()
         if not moves:
             self._turn_to(book)
-        fitted = self._fit_brush(laid, old)
+        notes = [self._fit_brush(laid, old)]
         needed = detail_or_size(laid.em_mm, workspace.painting.resolution)
-        if needed is None or not laid.text.strip():
-            self._tell_fonts(book, fitted)
-        else:
-            self._tell_fonts(book, say_coarse(laid.em_mm, *needed), "bad")
+        if needed is not None and laid.text.strip():
+            notes.insert(0, say_coarse(laid.em_mm, *needed))
+        note = say("; ").join(filter(None, notes))
+        self._tell_fonts(book, note, "off" if needed is None else "bad")
         self.laid_out()
         return True
 
