@@ -19,7 +19,7 @@ from tests.support.app.windows import close_unasked, pretend_saved, settled
 WITHOUT_EFFECT = {
     "Edit…": "opens the editor, whose controls are turned by themselves below",
     "Open…": "asks for a file of a brush",
-    "Detail": "asks how fine the surface is to be",
+    "Paint anew at another detail": "asks how fine the surface is to be",
 }
 """What a control says (its words, or its object's name), and why it changes nothing that is
 painted, seen or felt."""

@@ -37,7 +37,7 @@ class Detail:
         """Ask for another detail, and paint everything anew with it."""
         workspace = self._workspace
         spacing = workspace.painting.resolution or workspace.settings.resolution_mm
-        dialog = FormDialog(workspace.window, say("Detail…").rstrip("…"))
+        dialog = FormDialog(workspace.window, say("Paint anew at another detail…").rstrip("…"))
         note = QtWidgets.QLabel(say("All that was painted is painted anew, as finely as this"))
         note.setWordWrap(True)
         dialog.form.addRow(note)
