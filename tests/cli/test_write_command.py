@@ -253,7 +253,7 @@ def test_a_signature_and_a_seal_stand_beside_the_text(tmp_path: Path, monkeypatc
     monkeypatch.chdir(tmp_path)
     words = ["--on", "sheet:60x60:margin=5", "--resolution", "1", "--sign", "二", "--seal", "一"]
     assert main.main(["write", "一", *words, "--out", "a.p3d", "--processes", "1"]) == 0
-    assert capsys.readouterr().err.count("too coarse for characters of") == 2
+    assert "1 mm apart are too coarse for characters of 6 mm" in capsys.readouterr().err
     document = Document.open("a.p3d")
     assert len(document.strokes) == 2
 
