@@ -236,7 +236,7 @@ def test_a_bowl_has_a_name_all_around_and_a_plum_inside(window) -> None:
     panel.around_box.setChecked(True)
     panel.em.setValue(16.0)
     lay_out(window, "山人")
-    write(window)
+    write(window, breaks_up=True)
     surface = window.document.surface
     places, written = surface.paint_mesh.vertices, surface.painted.copy()
     turns = np.degrees(np.arctan2(places[written, 1], places[written, 0]))
