@@ -76,7 +76,7 @@ def lay_out(window, text: str) -> None:
 
 
 def write(window, *, breaks_up: bool = False) -> None:
-    """Have the brush write the chosen text, also one too small for vertices as far apart as here."""
+    """Have the brush write the chosen text, also one too small for vertices so far apart."""
     count = len(window.document.strokes)
     if breaks_up:
         answer(lambda box: click_button(box, "Write it so"), QtWidgets.QMessageBox)

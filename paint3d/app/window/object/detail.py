@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from PySide6 import QtWidgets
 
 from paint3d.app.model.document import Document
@@ -84,10 +82,10 @@ class Detail:
 
 
 def _go_on_from(document: Document, before: Document) -> None:
-    """Give a painting the file, the inks and the properties of the one before."""
+    """Give a painting the file, the inks, the properties and the memory of the one before."""
     document.set_file(before.path, before.file_state)
     document.unit = before.unit
     document.inks[:] = before.inks
-    properties: dict[str, Any] = before.properties
-    document.properties.update(properties)
+    document.properties.update(before.properties)
+    document.steps.memory_budget = before.steps.memory_budget
     document.mark_modified()
