@@ -104,6 +104,20 @@ def test_it_is_written_so_or_not_at_all(window) -> None:
     assert window.document.surface.resolution == 1.2
 
 
+def test_nothing_is_offered_where_it_is_not_known_how_it_was_painted(window) -> None:
+    lay_small(window)
+    window.document.recorder = None
+
+    def look(box: QtWidgets.QMessageBox) -> None:
+        assert [button.text() for button in box.buttons()] == ["Write it so", "Cancel"]
+        box.reject()
+
+    answer(look)
+    window.writing.do_write_text()
+    settled(window)
+    assert not window.document.strokes
+
+
 def test_the_detail_is_asked_for_by_the_menu(window) -> None:
     drag(window.canvas, (0.4, 0.3), (0.6, 0.3))
     settled(window)

@@ -188,7 +188,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.copying = CopybookGuide(workspace, self.panels.copybook)
         self.writing = TextWriting(
             workspace, self.player, self.copying.chosen_text,
-            lambda em_mm: self.copying.change({"em_mm": em_mm}), self.detail.paint_anew,
+            lambda em_mm: self.copying.change({"em_mm": em_mm}), self.detail,
         )  # fmt: skip
         self.copying.laid_out = self.writing.prepare
         self.sealing.of_signature = self.copying.signature

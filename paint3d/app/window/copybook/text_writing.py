@@ -14,6 +14,7 @@ from PySide6 import QtCore
 from paint3d.app.model.frame import Snapshot
 from paint3d.app.window.copybook.text_moving import ChosenText
 from paint3d.app.window.job import JobProgress
+from paint3d.app.window.object.detail import Detail
 from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.playing.recordings import samples_of, tool_changes_of, tools_in_hand
 from paint3d.app.window.questions import Answer, ask
@@ -50,8 +51,8 @@ class TextWriting:
         Returns the chosen text as it lies on the object, or None.
     resize : callable
         Lays it in another size, mm; where it cannot, it lies as before.
-    paint_anew : callable
-        Paints all anew on vertices so far apart, mm; returns whether it did.
+    detail : Detail
+        Paints all anew on a finer surface.
     """
 
     def __init__(
@@ -60,10 +61,10 @@ class TextWriting:
         player: Player,
         chosen_text: Callable[[], ChosenText | None],
         resize: Callable[[float], None],
-        paint_anew: Callable[[float], bool],
+        detail: Detail,
     ) -> None:
         self._workspace, self._player = workspace, player
-        self._chosen_text, self._resize, self._paint_anew = chosen_text, resize, paint_anew
+        self._chosen_text, self._resize, self._detail = chosen_text, resize, detail
         self._ahead = 0  # times that planning ahead was begun or ended: only the last goes on
         self._timer = QtCore.QTimer(workspace, interval=_SETTLED_MS, singleShot=True)
         self._timer.timeout.connect(self._plan_ahead)
@@ -140,13 +141,15 @@ class TextWriting:
         needed = detail_or_size(em_mm, self._workspace.painting.resolution)
         if needed is None:
             return True
-        accept = say("Paint anew at {detail}", detail=say_length(needed[0]))
+        accept = ""
+        if self._detail.can_paint_anew:
+            accept = say("Paint anew at {detail}", detail=say_length(needed[0]))
         answer = ask(
             self._workspace.window, say_coarse(em_mm, *needed),
             accept=accept, destroy=say("Write it so"), warns=True,
         )  # fmt: skip
         if answer is Answer.AcceptRole:
-            return self._paint_anew(needed[0])
+            return self._detail.paint_anew(needed[0])
         return answer is Answer.DestructiveRole
 
     def _offer_smaller(self, em_mm: float, smaller: float) -> bool:

@@ -31,6 +31,13 @@ class Detail:
     def __init__(self, workspace: Workspace) -> None:
         self._workspace = workspace
 
+    @property
+    def can_paint_anew(self) -> bool:
+        """True if it is known how the painting was painted, from its bare object on."""
+        with self._workspace.paint_thread.paused() as document:
+            recorder = None if document is None else document.recorder
+            return recorder is not None and recorder.is_whole
+
     def do_set_detail(self) -> None:
         """Ask for another detail, and paint everything anew with it."""
         workspace = self._workspace
