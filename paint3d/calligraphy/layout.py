@@ -43,6 +43,7 @@ __all__ = [
     "PlacedCharacter",
     "TextPlace",
     "WritingArea",
+    "detail_or_size",
     "find_writing_areas",
     "frames_for",
     "frames_to_try",
@@ -137,6 +138,7 @@ LAYOUTS = ("columns", "row")
 LEAST_EM_MM, MOST_EM_MM = 2.0, 1000.0
 """Range of sizes of text, mm."""
 
+_FEWEST, _ENOUGH = 18.0, 40.0  # vertices to an em: fewer break strokes up, so many show them whole
 _TOUCHING = 0.004  # of the em: squares that share this much do not overlap
 _WIDEST_PITCHES = (1.3, 2.0)  # ems from column to column: tried in turn
 _LEAST_WIDENING, _LEAST_HEIGHTENING = 0.04, 0.005  # ems, of a pitch that is too small
@@ -149,6 +151,13 @@ _TURNS_ASIDE = (0.0625, -0.0625, 0.125, -0.125, 0.1875, -0.1875, 0.25, -0.25, 0.
 _MOST_SPREAD = 1.5  # of the distance of columns: how far a text is spread along a free arc
 _DENSER = 4.0  # times as many characters as areas say may fit at a smaller size: two lines for one
 _SMALLER = 16  # tenths off the em, one after the other, of which one may be proposed
+
+
+def detail_or_size(em_mm: float, spacing: float | None) -> tuple[float, float] | None:
+    """Vertex spacing and em (mm), either of which keeps characters whole; None if theirs does."""
+    if spacing is None or em_mm >= _FEWEST * spacing:
+        return None
+    return float(f"{em_mm / _ENOUGH:.2g}"), math.ceil(_FEWEST * spacing)
 
 
 @dataclass(frozen=True)

@@ -500,6 +500,7 @@ def sign(
     beside = sign_beside(mesh, [piece.square for piece in written.placed], len(own.text), order)
     if signature.planner is not None:
         own.size, own.between = beside.em_mm, beside.between
+        _say_if_coarse(own.size, document.surface)
         if not wanted.brush:
             own.brush = None
         make, source = signature.planner

@@ -19,6 +19,7 @@ from tests.support.app.windows import close_unasked, pretend_saved, settled
 WITHOUT_EFFECT = {
     "Edit…": "opens the editor, whose controls are turned by themselves below",
     "Open…": "asks for a file of a brush",
+    "Paint anew at another detail": "asks how fine the surface is to be",
 }
 """What a control says (its words, or its object's name), and why it changes nothing that is
 painted, seen or felt."""
@@ -184,3 +185,17 @@ def test_what_is_left_out_is_shown(window) -> None:
         for widget in controls(getattr(window.panels, name))
     }
     assert set(WITHOUT_EFFECT) <= there
+
+
+def test_return_takes_what_is_chosen_in_an_open_list(window) -> None:
+    """And arrows there turn no view."""
+    window.panels.docks["copybook"].raise_()
+    box, camera = window.panels.copybook.grid_box, window.hand.open_camera
+    was = box.currentIndex()
+    box.showPopup()
+    wait_for(lambda: QtWidgets.QApplication.activePopupWidget() is not None)
+    for key in (KEY.Key_Down, KEY.Key_Return):
+        QtTest.QTest.keyClick(box.view(), key)
+    wait_for(lambda: QtWidgets.QApplication.activePopupWidget() is None, 10.0)
+    assert box.currentIndex() == was + 1
+    assert window.hand.open_camera is camera

@@ -151,8 +151,12 @@ def test_grips_scale_turn_and_space_it(window) -> None:
 def test_keys_move_turn_scale_and_space_it_and_are_one_step(window) -> None:
     lay(window, "永和\n九年", 24.0)
     begin(window)
+    beside = pixel(window, (-50.0, 0.0, 0.0))
+    drag(window, beside, beside)
+    wait_for(lambda: "no text there" in window.status.message_label.text())
     for _ in range(3):
         type_key(window.canvas, KEY.Key_Right)
+    assert "arrows move" in window.status.message_label.text()
     type_key(window.canvas, KEY.Key_Up, HELD.ShiftModifier)
     type_key(window.canvas, KEY.Key_Left, HELD.ControlModifier)
     type_key(window.canvas, KEY.Key_Up, HELD.ControlModifier)

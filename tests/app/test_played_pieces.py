@@ -19,6 +19,7 @@ from PySide6 import QtWidgets
 from paint3d.app.model.document import Document
 from paint3d.app.window.studio import StudioWindow
 from paint3d.core.arrays import AnyArray
+from tests.support.app.controls import CANVAS, find_control
 from tests.support.app.event_player import EventRecording
 from tests.support.app.hands import same_vertices
 from tests.support.app.window_player import WindowPlayer
@@ -61,6 +62,19 @@ def colours(document: Document) -> tuple[AnyArray, AnyArray, AnyArray]:
     n = len(surface.painted)
     places, srgb = surface.paint_mesh.vertices[:n], surface.srgb[:n].astype(int)
     return places, srgb.max(axis=1) < 110, srgb[:, 0] - srgb[:, 2] > 60
+
+
+def aside_px(window: StudioWindow, name: str, strokes: int) -> float:
+    """How far the last strokes lie from where the recorded pen went, in the view of now, pixels."""
+    control = find_control(window, CANVAS, (0.5, 0.5))
+    assert control is not None
+    events = EventRecording.load(PIECES / f"{name}.jsonl").events
+    places = [control.place(one.place) for one in events if one.device == "pen" and one.buttons]
+    went = [window.canvas.mapFromGlobal(place).toTuple() for place in places]
+    samples = [s for stroke in window.document.strokes[-strokes:] for s in stroke.samples]
+    touched = np.array([sample.contact for sample in samples if sample.pressure > 0.0])
+    seen = window.hand.pixels_of(touched)
+    return float(np.linalg.norm(seen[:, None] - np.array(went), axis=2).min(axis=1).max())
 
 
 def reopened(document: Document, path: Path) -> None:
@@ -121,6 +135,7 @@ def test_an_own_cup_has_a_name_around_and_a_branch_inside(window, tmp_path: Path
     assert [laid.text for laid in document.texts] == ["王小明"]
     assert steps(document) == ["text", *["stroke"] * 6]
     assert [stroke.brush.length_mm < 20.0 for stroke in document.strokes] == [False] + [True] * 5
+    assert aside_px(window, "cup", 5) < 2.0
     places, black, _ = colours(document)
     ink, normals = places[black], document.surface.paint_mesh.normals[: len(black)][black]
     outside = (ink[:, :2] * normals[:, :2]).sum(axis=1) > 0.0

@@ -135,6 +135,10 @@ def test_a_locked_layer_takes_no_paint_from_a_pen_nor_from_the_brush_itself(wind
     settled(window)
     steps = list(window.document.steps.done)
 
+    def is_changed() -> bool:
+        done = window.document.steps.done
+        return list(done) != steps or window.document.surface.painted.sum() != before
+
     def by_pen() -> None:
         pen_stroke(window.canvas, (0.4, 0.5), (0.6, 0.5), [0.5] * 12)
 
@@ -145,8 +149,9 @@ def test_a_locked_layer_takes_no_paint_from_a_pen_nor_from_the_brush_itself(wind
     for act in (by_pen, *keys):
         window.workspace.tell("")
         act()
-        wait_for(lambda: "“Layer 1” is locked" in window.status.message_label.text())
-        wait_for(lambda: not window.player.is_playing)
+        wait_for(lambda: is_changed() or "is locked" in window.status.message_label.text())
+        assert "“Layer 1” is locked" in window.status.message_label.text()
+        wait_for(lambda: is_changed() or not window.player.is_playing)
         settled(window)
         assert list(window.document.steps.done) == steps
         assert window.document.surface.painted.sum() == before

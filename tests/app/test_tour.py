@@ -121,6 +121,20 @@ def test_favourites_come_first_and_are_kept(window) -> None:
     assert window.workspace.settings.favourite_brushes == ()
 
 
+def test_the_right_button_leaves_the_brush_in_hand_marked(window) -> None:
+    panel = window.panels.brushes
+    view = panel.findChild(QtWidgets.QListWidget, "brushes")
+    before, brush = view.currentRow(), panel.brush
+    row = 0 if before != 0 else 1
+    place = view.visualItemRect(view.item(row)).center()
+    view.setCurrentRow(row)  # as its press does
+    view.customContextMenuRequested.emit(place)
+    *_, menu = view.findChildren(QtWidgets.QMenu, "brush_menu")
+    menu.close()
+    assert view.currentRow() == before
+    assert panel.brush == brush
+
+
 def test_brushes_lie_in_folders(window, monkeypatch: pytest.MonkeyPatch) -> None:
     panel = window.panels.brushes
     view = panel.findChild(QtWidgets.QListWidget, "brushes")

@@ -249,10 +249,11 @@ def test_a_text_fills_a_sheet_on_its_front_alone(capsys) -> None:
     assert sizes["back"] == sizes["bottom"] == 20.0
 
 
-def test_a_signature_and_a_seal_stand_beside_the_text(tmp_path: Path, monkeypatch) -> None:
+def test_a_signature_and_a_seal_stand_beside_the_text(tmp_path: Path, monkeypatch, capsys) -> None:
     monkeypatch.chdir(tmp_path)
     words = ["--on", "sheet:60x60:margin=5", "--resolution", "1", "--sign", "二", "--seal", "一"]
-    assert main.main(["write", "一", *words, "--out", "a.p3d", "--processes", "1", "--quiet"]) == 0
+    assert main.main(["write", "一", *words, "--out", "a.p3d", "--processes", "1"]) == 0
+    assert "1 mm apart are too coarse for characters of 6 mm" in capsys.readouterr().err
     document = Document.open("a.p3d")
     assert len(document.strokes) == 2
 

@@ -316,6 +316,7 @@ _TABLE: tuple[_Row, ...] = (
         Command("delete_strokes", "Delete the chosen strokes", ["Del"], on_picture=True),
         _PART,
         Command("refine", "Refine the whole surface now", icon="refine"),
+        Command("set_detail", "Paint anew at another detail…", icon="refine"),
     ),
     *_menu(
         "view",

@@ -57,7 +57,9 @@ class Panels:
         self.layers, self.history = LayerPanel(theme), HistoryPanel(theme)
         self.hand, self.copybook = HandPanel(theme), CopybookPanel(theme)
         self.devices, self.reference = DevicePanel(theme), ReferencePanel(theme)
-        self.surface = SurfacePanel(actions[name] for name in ("wet", "dry", "refine"))
+        self.surface = SurfacePanel(
+            actions[name] for name in ("wet", "dry", "refine", "set_detail")
+        )
         self.docks: dict[str, QtWidgets.QDockWidget] = {}
         self._tall = (
             self.inks, self.hand, self.copybook, self.devices, self.surface, self.reference

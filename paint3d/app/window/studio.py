@@ -38,6 +38,7 @@ from paint3d.app.window.history.stroke_mark import StrokeMark
 from paint3d.app.window.hud import Hud
 from paint3d.app.window.ink.ink_making import InkMaking
 from paint3d.app.window.lamp import Lamp
+from paint3d.app.window.object.detail import Detail
 from paint3d.app.window.object.standing import Standing
 from paint3d.app.window.paint_actions import PaintActions
 from paint3d.app.window.panels import Panels
@@ -187,7 +188,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.copying = CopybookGuide(workspace, self.panels.copybook)
         self.writing = TextWriting(
             workspace, self.player, self.copying.chosen_text,
-            lambda em_mm: self.copying.change({"em_mm": em_mm}),
+            lambda em_mm: self.copying.change({"em_mm": em_mm}), self.detail,
         )  # fmt: skip
         self.copying.laid_out = self.writing.prepare
         self.sealing.of_signature = self.copying.signature
@@ -231,6 +232,7 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.mark = StrokeMark(workspace)
         self.editing = StrokeEditing(workspace, self.mark)
         self.sealing = Sealing(workspace)
+        self.detail = Detail(workspace)
 
     def _bind_actions(self) -> None:
         self.painting = PaintActions(self.workspace, self.panels, self.recalling, self.player)
@@ -244,9 +246,9 @@ class StudioWindow(QtWidgets.QMainWindow):
         self.viewing = ViewActions(self.workspace, self.panels, self.steering)
         self.commands.bind(
             (self.opening, self.saving, self.exporting, self.pictures, self.recordings,
-             self.standing, self.sealing, self.copying, self.writing, self.editing, self.painting,
-             self.brushes, self.inks, self.reference, self.views, self.lamp, self.viewing,
-             self.tour)
+             self.standing, self.detail, self.sealing, self.copying, self.writing, self.editing,
+             self.painting, self.brushes, self.inks, self.reference, self.views, self.lamp,
+             self.viewing, self.tour)
         )  # fmt: skip
         for name in ("brush", "grips", "show_mask"):
             self.commands.check(name, True)

@@ -26,6 +26,7 @@ __all__ = [
     "language",
     "say",
     "say_brush",
+    "say_coarse",
     "say_error",
     "say_group",
     "say_hair",
@@ -273,6 +274,17 @@ def say_length(mm: float) -> str:
     """Format a length in the chosen unit."""
     number = mm / UNITS_MM[_unit[0]]
     return f"{number:.0f} {_unit[0]}" if number >= 100.0 else f"{number:.3g} {_unit[0]}"
+
+
+def say_coarse(em_mm: float, detail_mm: float, larger_mm: float) -> str:
+    """Return a text on vertices too far apart for characters, and what detail or size would do."""
+    return say(
+        "Characters of {size} break up on this surface: they need a detail of {detail}, or to be "
+        "{larger} large",
+        size=say_length(em_mm),
+        detail=say_length(detail_mm),
+        larger=say_length(larger_mm),
+    )
 
 
 def say_sides(*sides_mm: float) -> str:

@@ -255,7 +255,13 @@ class BrushPanel(QtWidgets.QWidget):
         action = folders.addAction(say("New folder…"))
         action.setObjectName("new_folder")
         action.triggered.connect(lambda _=False: self._file_anew(name))
+        menu.aboutToHide.connect(self._mark_in_hand)
         menu.popup(self._list.viewport().mapToGlobal(position))
+
+    def _mark_in_hand(self) -> None:
+        """Mark the brush in hand in the list: the right button marks another one."""
+        names, name = list(self._brushes), plain_name(self.brush)
+        self._list.setCurrentRow(names.index(name) if name in names else -1)
 
     def _favour(self, name: str, on: bool) -> None:
         rest = [one for one in self._favourites if one != name]
@@ -267,9 +273,7 @@ class BrushPanel(QtWidgets.QWidget):
     def show_brush(self, brush: BrushSpec) -> None:
         """Show the brush in use."""
         self.brush = brush
-        names = list(self._brushes)
-        name = plain_name(brush)
-        self._list.setCurrentRow(names.index(name) if name in names else -1)
+        self._mark_in_hand()
         self._wanted = brush.length_mm
         with QtCore.QSignalBlocker(self._size):
             self._size.setValue(_step_of(brush.length_mm))

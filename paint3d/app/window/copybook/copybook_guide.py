@@ -32,11 +32,18 @@ from paint3d.app.window.copybook.text_moving import ChosenText, TextMover
 from paint3d.app.window.files.open_result import OpenResult
 from paint3d.app.window.questions import Answer, ask
 from paint3d.app.window.seal import ProposedSeal
-from paint3d.app.window.wording import say, say_brush, say_error, say_fonts, say_length
+from paint3d.app.window.wording import (
+    say,
+    say_brush,
+    say_coarse,
+    say_error,
+    say_fonts,
+    say_length,
+)
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
 from paint3d.calligraphy.composition import compose, seal_below, sign_beside
-from paint3d.calligraphy.layout import LEAST_EM_MM, Layout
+from paint3d.calligraphy.layout import LEAST_EM_MM, Layout, detail_or_size
 from paint3d.calligraphy.page.opening import open_page
 from paint3d.calligraphy.page.page import Composer, Page, Photograph, digest_of
 from paint3d.core.arrays import AnyArray
@@ -414,7 +421,12 @@ class CopybookGuide:
         self._show_active()
         if not moves:
             self._turn_to(book)
-        self._tell_fonts(book, self._fit_brush(laid, old))
+        notes = [self._fit_brush(laid, old)]
+        needed = detail_or_size(laid.em_mm, workspace.painting.resolution)
+        if needed is not None and laid.text.strip():
+            notes.insert(0, say_coarse(laid.em_mm, *needed))
+        note = say("; ").join(filter(None, notes))
+        self._tell_fonts(book, note, "off" if needed is None else "bad")
         self.laid_out()
         return True
 

@@ -16,7 +16,7 @@ from paint3d.app.window.hand.canvas_tool import CanvasTool, draw_grip
 from paint3d.app.window.wording import say
 from paint3d.app.window.workspace import Workspace
 from paint3d.core.arrays import AnyArray
-from paint3d.errors import Paint3DError
+from paint3d.errors import Message, Paint3DError
 from paint3d.mesh.chart import SurfaceFrame, frame_at
 
 __all__ = ["ChosenText", "TextMover"]
@@ -27,6 +27,10 @@ _AWAY = 30.0  # pixels from the text to the ring that turns it
 _STEP_MM, _FAR_MM, _DEGREES, _GROWS, _APART = 1.0, 10.0, 1.0, 1.02, 0.02
 _PATIENCE_MS = 450  # after the last key
 _LINES = "moving text"
+_HOW = Message(
+    "Drag a text to move it, its corner to scale it, the ring to turn it; arrows move, "
+    "with Ctrl turn and scale, with Alt space; Esc ends"
+)
 _ARROWS = {
     _KEY.Key_Left: (-1, 0), _KEY.Key_Right: (1, 0), _KEY.Key_Up: (0, 1), _KEY.Key_Down: (0, -1),
 }  # fmt: skip
@@ -81,6 +85,7 @@ class TextMover(CanvasTool):
         super().__init__(workspace)
         self._chosen_text, self._choose = chosen_text, choose
         self._grip = ""  # that is dragged
+        self._is_refused = False  # and said so: the next move puts that away
         self._from = QtCore.QPointF()
         self._start: AnyArray | None = None  # of the object, where the drag began
         self._changes: dict[str, Any] = {}
@@ -89,12 +94,7 @@ class TextMover(CanvasTool):
 
     def begin(self) -> None:
         """Make drags and keys move texts, until `end`."""
-        self.turn_on(
-            say(
-                "Drag a text to move it, its corner to scale it, the ring to turn it; arrows move, "
-                "with Ctrl turn and scale, with Alt space; Esc ends"
-            )
-        )
+        self.turn_on(say(_HOW))
 
     def end(self) -> None:
         """Paint again with the next drag; what keys have changed stays."""
@@ -152,6 +152,9 @@ class TextMover(CanvasTool):
             chosen.laid.moved(**changes)
         except Paint3DError:
             return
+        if self._is_refused:
+            self._is_refused = False
+            self._workspace.tell(say(_HOW))
         self._changes = changes
         self._show(chosen)
 
@@ -185,6 +188,7 @@ class TextMover(CanvasTool):
         self._start = self._on_object(at.x(), at.y())
         if not self._grip:
             if self._start is None or not self._choose(self._start):
+                self._is_refused = True
                 self._workspace.tell(say("There is no text there"), state="bad")
                 return
             self._grip = "move"

@@ -14,12 +14,14 @@ from PySide6 import QtCore
 from paint3d.app.model.frame import Snapshot
 from paint3d.app.window.copybook.text_moving import ChosenText
 from paint3d.app.window.job import JobProgress
+from paint3d.app.window.object.detail import Detail
 from paint3d.app.window.playing.player import Asked, Player, Tools
 from paint3d.app.window.playing.recordings import samples_of, tool_changes_of, tools_in_hand
 from paint3d.app.window.questions import Answer, ask
-from paint3d.app.window.wording import say, say_brush, say_length
+from paint3d.app.window.wording import say, say_brush, say_coarse, say_length
 from paint3d.app.window.workspace import Workspace
 from paint3d.brush.presets import brush_for, suits_size
+from paint3d.calligraphy.layout import detail_or_size
 from paint3d.calligraphy.page.laying import PlacedPiece
 from paint3d.calligraphy.writing import WritingSettings, plan_ahead
 from paint3d.core.machine import usable_cores
@@ -49,6 +51,8 @@ class TextWriting:
         Returns the chosen text as it lies on the object, or None.
     resize : callable
         Lays it in another size, mm; where it cannot, it lies as before.
+    detail : Detail
+        Paints all anew on a finer surface.
     """
 
     def __init__(
@@ -57,9 +61,10 @@ class TextWriting:
         player: Player,
         chosen_text: Callable[[], ChosenText | None],
         resize: Callable[[float], None],
+        detail: Detail,
     ) -> None:
         self._workspace, self._player = workspace, player
-        self._chosen_text, self._resize = chosen_text, resize
+        self._chosen_text, self._resize, self._detail = chosen_text, resize, detail
         self._ahead = 0  # times that planning ahead was begun or ended: only the last goes on
         self._timer = QtCore.QTimer(workspace, interval=_SETTLED_MS, singleShot=True)
         self._timer.timeout.connect(self._plan_ahead)
@@ -99,8 +104,11 @@ class TextWriting:
         self._timer.stop()
         self._ahead += 1
         workspace.actions["arrange_text"].setChecked(False)
+        em = chosen.laid.em_mm
+        if not self._is_fine_enough(em):
+            return
         painting, brush = workspace.painting, workspace.paint_thread.brush
-        in_hand, em = brush, chosen.laid.em_mm
+        in_hand = brush
         if not suits_size(in_hand, em):
             brush = brush_for(em)
         folder = workspace.settings.glyphs or None
@@ -127,6 +135,22 @@ class TextWriting:
                     size=say_length(em),
                 )
                 workspace.tell(message)
+
+    def _is_fine_enough(self, em_mm: float) -> bool:
+        """Offer a finer detail where characters would break up; return whether to write now."""
+        needed = detail_or_size(em_mm, self._workspace.painting.resolution)
+        if needed is None:
+            return True
+        accept = ""
+        if self._detail.can_paint_anew:
+            accept = say("Paint anew at {detail}", detail=say_length(needed[0]))
+        answer = ask(
+            self._workspace.window, say_coarse(em_mm, *needed),
+            accept=accept, destroy=say("Write it so"), warns=True,
+        )  # fmt: skip
+        if answer is Answer.AcceptRole:
+            return self._detail.paint_anew(needed[0])
+        return answer is Answer.DestructiveRole
 
     def _offer_smaller(self, em_mm: float, smaller: float) -> bool:
         """Offer a smaller size where the brush has no room; return whether the text has it now."""

@@ -110,7 +110,7 @@ class HeldKeys(QtCore.QObject):
         if kind != _KIND.KeyRelease and QtWidgets.QApplication.activePopupWidget() is not None:
             if kind == _KIND.ShortcutOverride:
                 event.accept()  # or arrows in a menu would turn the view, as shortcuts
-            return kind == _KIND.ShortcutOverride
+            return False  # a box's list takes Return from it
         if isinstance(QtWidgets.QApplication.focusWidget(), WRITING):
             return False
         if kind == _KIND.KeyRelease:
