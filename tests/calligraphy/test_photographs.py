@@ -429,6 +429,18 @@ def test_counters_stay_open_beside_flying_white() -> None:
     assert sheet.ink.body[60:150, 100:118].mean() > 0.95
 
 
+def test_counters_of_print_stay_open_between_thin_bars() -> None:
+    """Bars a fifth as wide as the stems that they join are no hairs of a dry stroke."""
+    codes = np.full((400, 300, 3), 255, np.uint8)
+    for left in (50, 133, 216):
+        codes[60:340, left : left + 38] = 0
+    for top in (80, 119, 158, 197, 236):
+        codes[top : top + 7, 50:254] = 0
+    sheet = copy_sheet(codes, "s", Asked(whole=True))
+    gaps = [sheet.ink.body[top + 13 : top + 33, 95:126] for top in (80, 119, 158, 197)]
+    assert not any(gap.any() for gap in gaps)
+
+
 def cut_up(text: str, apart: float) -> np.ndarray:
     """A scan in black and white of a character cut up in its middle by ragged streaks."""
     body = np.pad(sheet_of([open_glyphs(None).load(text)], 1, seals=0, longest=560).body, 10)

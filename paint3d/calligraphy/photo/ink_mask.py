@@ -51,6 +51,7 @@ _GRAIN, _TURN = 0.06, 0.4  # widths over which edges are seen, and the way of th
 _HOLE = 0.3  # squares of a width: smaller holes belong to the stroke
 _SLIT = 0.1  # widths: half of that of a filled gap that may be a counter
 _THICK, _STREAKY = 0.28, 0.5  # of a width: half of ink that is no hair's; hairs' part of a rim
+_ROOM, _THIN_BARS = 0.3, 0.75  # of a width: half of gaps as wide as a counter; the same of theirs
 _NARROW = 0.4  # widths: half of that of a hole among streaks that does, too
 
 
@@ -121,9 +122,9 @@ def _find_counters(filled: AnyArray, mask: AnyArray, width: float) -> NDArray[np
     beside = binary_dilation(mask & ~thick, iterations=2)
     rim = np.where(filled & (distance_transform_edt(filled) <= 1.5), gaps, 0)
     streaky = mean(beside, rim, each)
-    wide = maximum(distance_transform_edt(filled), gaps, each) > _SLIT * width
+    half = maximum(distance_transform_edt(filled), gaps, each) / width
     large = np.bincount(gaps.ravel()) > _HOLE * width**2
-    open_ = wide & large & (streaky < _STREAKY)
+    open_ = (half > _SLIT) & large & (streaky < np.where(half > _ROOM, _THIN_BARS, _STREAKY))
     open_[0] = False
     result: NDArray[np.bool_] = open_[gaps]
     return result
