@@ -527,6 +527,7 @@ _EM_NODES = 12  # nodes of the chart along an em
 _EM_PROBES = 20  # points along an em that are checked
 _FEWEST = 6  # of these points along a side, however short it is
 _FINEST_MM = 0.25
+_ROUNDING = 1e-6  # of the em: so much may two squares of one plane lie above each other
 _FREE = 0.7  # of the height: anything nearer is in the way, or a hollow is too tight
 
 
@@ -685,7 +686,8 @@ def overlapping(
     if not squares:
         return None
     corners = np.array([[s.points.min(axis=(0, 1)), s.points.max(axis=(0, 1))] for s in squares])
-    low, high = corners[:, 0], corners[:, 1]
+    rounding = _ROUNDING * max(square.em_mm for square in squares)  # flat ones have no thickness
+    low, high = corners[:, 0] - rounding, corners[:, 1] + rounding
     axis = int(np.ptp(corners, axis=(0, 1)).argmax())
     order = np.argsort(low[:, axis], kind="stable")
     low, high = low[order], high[order]
