@@ -27,6 +27,7 @@ __all__ = [
     "SurfaceChart",
     "SurfaceFrame",
     "frame_at",
+    "frame_near",
     "lattice",
     "lay_square",
     "lay_squares",
@@ -167,8 +168,14 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     InputError
         If `up` is zero or runs along the normal.
     """
-    wanted = as_array(up, "up", (3,))
-    found = surface.find(as_array(point, "point", (3,))[None])
+    return frame_near(surface, as_array(point, "point", (3,)), as_array(up, "up", (3,)))
+
+
+def frame_near(
+    surface: ClosestPoints, point: NDArray[np.float64], wanted: NDArray[np.float64]
+) -> SurfaceFrame:
+    """Return the frame of `frame_at` for a point and an up that are known to be finite."""
+    found = surface.find_checked(point[None])
     normal = found.normals[0]
     (up_x, up_y, up_z), (x, y, z) = wanted.tolist(), normal.tolist()
     along = up_x * x + up_y * y + up_z * z  # numbers: arrays of three take four times as long
