@@ -429,6 +429,14 @@ def test_counters_stay_open_beside_flying_white() -> None:
     assert sheet.ink.body[60:150, 100:118].mean() > 0.95
 
 
+@pytest.mark.parametrize("ink", [10, 60])
+def test_the_crossing_of_strokes_that_fill_the_sheet_is_no_shadow(ink: int) -> None:
+    codes = np.full((420, 420, 3), 250, np.uint8)
+    codes[160:212, 50:370] = codes[50:370, 180:232] = ink
+    sheet = copy_sheet(codes, "s", Asked(whole=True))
+    assert sheet.ink.mask[162:210, 182:230].all()
+
+
 def test_counters_of_print_stay_open_between_thin_bars() -> None:
     """Bars a fifth as wide as the stems that they join are no hairs of a dry stroke."""
     codes = np.full((400, 300, 3), 255, np.uint8)
