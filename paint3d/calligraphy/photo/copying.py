@@ -204,7 +204,7 @@ def copy_sheet(
         check_exposure(sheet, paper)
     n_brown = 0
     if not asked.invert and asked.darker is None:
-        reflected, n_brown = drop_brown(reflected)
+        reflected, n_brown = drop_brown(reflected, sheet)
     inks = invert_rubbing(sheet) if asked.invert else unmix_inks(reflected)
     ink = (find_carved if asked.invert else find_ink)(inks.black, asked.darker)
     characters = _find_characters(ink, asked)

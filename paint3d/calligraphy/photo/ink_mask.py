@@ -676,6 +676,7 @@ _FEW = 2e-4  # of the sheet: fewer coloured pixels are no seal, and no stain
 _CHROMA = 1.0  # pixels over which the colour of stains is seen
 _BROWN = 0.75  # of the ink's density in red over that in blue: less is brown
 _SEAL = 0.75  # of the way from the density in red to that in blue, where that in green lies
+_CODE, _WARMER = 1.0 / 2.2, 0.0  # power from light to codes; of these, red over blue on a stain
 _LEAST_BROWN = 75.0  # per cent of what is dark are browner than the ink
 _DARKEST, _BRIGHTEST = 4e-3, 1.25  # fractions of the paper's light
 
@@ -718,17 +719,22 @@ def unmix_inks(reflected: NDArray[np.float32]) -> Inks:
     return Inks((black * scale).astype(np.float32), (red * scale).astype(np.float32))
 
 
-def drop_brown(reflected: NDArray[np.float32]) -> tuple[NDArray[np.float32], int]:
+def drop_brown(
+    reflected: NDArray[np.float32], sheet: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], int]:
     """Take foxing and tide lines off a sheet by their colour: its light without, and how many.
 
     They take more of blue light than of red, more than the ink does, and of green about halfway,
     where a seal takes as much of green as of blue. What is ink on them stays. Of a grey picture,
-    or where the ink itself is as brown, nothing is taken off.
+    or where the ink itself is as brown, nothing is taken off; nor is a narrow stroke that has the
+    warm paper's colour, which compressed pictures smear: a stain has more of it.
 
     Parameters
     ----------
     reflected : (H, W, 3) float32
         As a fraction of the paper's light.
+    sheet : (H, W, 3) float32
+        Linear light.
     """
     from scipy.ndimage import binary_dilation, binary_opening, gaussian_filter, label
 
@@ -742,6 +748,9 @@ def drop_brown(reflected: NDArray[np.float32]) -> tuple[NDArray[np.float32], int
     darkest = seen & (dark >= np.median(dark[seen]))
     ink = float(np.percentile(red[darkest] / blue[darkest], _LEAST_BROWN))
     brown = seen & (red < _BROWN * ink * blue) & (green - red < _SEAL * (blue - red))
+    codes, bare = sheet**_CODE, (sheet / reflected) ** _CODE
+    warmer = gaussian_filter((codes - bare)[..., 0] - (codes - bare)[..., 2], _CHROMA)
+    brown &= warmer > _WARMER
     brown = binary_opening(brown, np.ones((3, 3)))  # a lens fringes edges with colour
     if brown.mean() < _FEW:
         return reflected, 0
