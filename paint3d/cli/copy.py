@@ -79,7 +79,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="SHARE",
         type=lambda text: parse_number(text, "a share", "0 to 1", lambda n: 0.0 <= n <= 1.0),
         help="what takes less than this share of the light that the ink takes is no ink; 0: all "
-        "is, stains too (default: all but blots with soft edges)",
+        "is, stains too (default: all but blots that are brown or have soft edges)",
     )
     photograph.add_argument(
         "--text",

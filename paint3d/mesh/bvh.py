@@ -161,7 +161,10 @@ class ClosestPoints:
 
     def find(self, points: AnyArray) -> Found:
         """Find the closest point of the surface to each of `points` (N, 3), mm."""
-        queries = as_array(points, "points", (None, 3))
+        return self.find_checked(as_array(points, "points", (None, 3)))
+
+    def find_checked(self, queries: NDArray[np.float64]) -> Found:
+        """Find the same for points that are finite float64 and lie one after another, unchecked."""
         n = len(queries)
         there, normals, weights = np.empty((n, 3)), np.empty((n, 3)), np.empty((n, 3))
         faces = np.empty(n, np.int64)

@@ -27,6 +27,7 @@ __all__ = [
     "SurfaceChart",
     "SurfaceFrame",
     "frame_at",
+    "frame_near",
     "lattice",
     "lay_square",
     "lay_squares",
@@ -167,8 +168,14 @@ def frame_at(surface: ClosestPoints, point: ArrayLike, up: ArrayLike) -> Surface
     InputError
         If `up` is zero or runs along the normal.
     """
-    wanted = as_array(up, "up", (3,))
-    found = surface.find(as_array(point, "point", (3,))[None])
+    return frame_near(surface, as_array(point, "point", (3,)), as_array(up, "up", (3,)))
+
+
+def frame_near(
+    surface: ClosestPoints, point: NDArray[np.float64], wanted: NDArray[np.float64]
+) -> SurfaceFrame:
+    """Return the frame of `frame_at` for a point and an up that are known to be finite."""
+    found = surface.find_checked(point[None])
     normal = found.normals[0]
     (up_x, up_y, up_z), (x, y, z) = wanted.tolist(), normal.tolist()
     along = up_x * x + up_y * y + up_z * z  # numbers: arrays of three take four times as long
@@ -530,6 +537,7 @@ _EM_NODES = 12  # nodes of the chart along an em
 _EM_PROBES = 20  # points along an em that are checked
 _FEWEST = 6  # of these points along a side, however short it is
 _FINEST_MM = 0.25
+_ROUNDING = 1e-6  # of the em: so much may two squares of one plane lie above each other
 _FREE = 0.7  # of the height: anything nearer is in the way, or a hollow is too tight
 
 
@@ -688,7 +696,8 @@ def overlapping(
     if not squares:
         return None
     corners = np.array([[s.points.min(axis=(0, 1)), s.points.max(axis=(0, 1))] for s in squares])
-    low, high = corners[:, 0], corners[:, 1]
+    rounding = _ROUNDING * max(square.em_mm for square in squares)  # flat ones have no thickness
+    low, high = corners[:, 0] - rounding, corners[:, 1] + rounding
     axis = int(np.ptp(corners, axis=(0, 1)).argmax())
     order = np.argsort(low[:, axis], kind="stable")
     low, high = low[order], high[order]

@@ -12,11 +12,11 @@ from threading import Lock
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from paint3d.core.arrays import AnyArray, as_array, as_number
+from paint3d.core.arrays import AnyArray, as_array, as_number, length_of
 from paint3d.core.polyline import interpolate
 from paint3d.errors import InputError, MeshError, Message
 from paint3d.mesh.bvh import ClosestPoints
-from paint3d.mesh.chart import SurfaceFrame, frame_at
+from paint3d.mesh.chart import SurfaceFrame, frame_at, frame_near
 from paint3d.mesh.triangle_mesh import TriangleMesh
 
 __all__ = [
@@ -69,9 +69,14 @@ class Upright:
         By which up is then turned to the left, seen from outside, radians.
     """
 
-    up: ArrayLike
-    apex: ArrayLike | None = None
+    up: AnyArray
+    apex: AnyArray | None = None
     turn: float = 0.0
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "up", as_array(self.up, "up", (3,)))
+        if self.apex is not None:
+            object.__setattr__(self, "apex", as_array(self.apex, "apex", (3,)))
 
     def frame(self, surface: ClosestPoints, point: ArrayLike) -> SurfaceFrame:
         """Return the frame at the closest point to `point` (3,), mm.
@@ -81,8 +86,12 @@ class Upright:
         InputError
             If the surface lies level there.
         """
-        up = self.up if self.apex is None else np.asarray(point) - np.asarray(self.apex)
-        frame = frame_at(surface, point, up)
+        return self.frame_near(surface, as_array(point, "point", (3,)))
+
+    def frame_near(self, surface: ClosestPoints, point: NDArray[np.float64]) -> SurfaceFrame:
+        """Return the same for a point that is known to be finite."""
+        up = self.up if self.apex is None else point - self.apex
+        frame = frame_near(surface, point, up)
         if self.turn == 0.0:
             return frame
         along, across = math.cos(self.turn), math.sin(self.turn)
@@ -363,8 +372,8 @@ def _points_along(
                 return
             continue
         before, frame = frame.origin, following
-        onward = length + float(np.linalg.norm(frame.origin - before))
-        home = float(np.linalg.norm(frame.origin - began))
+        onward = length + length_of(frame.origin - before)
+        home = length_of(frame.origin - began)
         if onward > 4.0 * step and home < 0.75 * step and frame.normal @ start.normal > 0.5:
             yield began, length + float(np.linalg.norm(before - began)), True
             return
@@ -384,7 +393,7 @@ def _step(
     for fraction in (0.5, 1.0):
         heading = bearing[0] * at.x_axis + bearing[1] * at.y_axis
         try:
-            at = up.frame(surface, frame.origin + fraction * step * heading)
+            at = up.frame_near(surface, frame.origin + fraction * step * heading)
         except InputError:  # up is along the normal: no bearing here
             return None
     onward = bearing[0] * at.x_axis + bearing[1] * at.y_axis

@@ -181,6 +181,53 @@ def test_broad_stains_as_dark_as_ink_are_none(darkness: float, ink: float) -> No
     assert [one for one in sheet.notes if "stain" in one]
 
 
+@pytest.mark.parametrize("blur", [0.8, 1.2, 2.0])
+def test_a_broad_head_of_a_thin_stroke_is_no_stain(blur: float) -> None:
+    """As the serifs of print, triangles much broader than the bar they end."""
+    y, x = np.mgrid[:400, :600]
+    head = (y < 215) & (np.abs(x - 490) < 0.8 * (y - 135))
+    ink = head | (y >= 195) & (y < 215) & (x >= 60) & (x < 500)
+    codes = ndimage.gaussian_filter(np.where(ink, 25.0, 250.0), blur).astype(np.uint8)
+    sheet = copy_sheet(np.repeat(codes[..., None], 3, axis=2), "s", Asked(whole=True))
+    assert sheet.ink.mask[ndimage.binary_erosion(ink, iterations=3)].mean() > 0.99
+    assert not sheet.notes
+
+
+def brown_stains(kind: str) -> np.ndarray:
+    """Density (500, 400) of dark spots, or of the rim of a water stain, with sharp edges."""
+    y, x = np.mgrid[:500, :400]
+    rng = np.random.default_rng(3)
+    if kind == "tide line":
+        beyond = np.hypot(x - 90, y - 120) - 190.0 + 8.0 * np.sin(x / 17.0)
+        rim = np.exp(np.minimum(beyond, 0.0) / 5.0)
+        return ndimage.gaussian_filter(np.where(beyond < 0.0, 0.15 + rim, 0.0), 0.7)
+    stain = np.zeros((500, 400))
+    for cy, cx, radius in rng.uniform((20, 20, 3), (480, 380, 14), (40, 3)):
+        spot = np.hypot(x - cx, y - cy) < radius
+        stain[spot] = np.maximum(stain[spot], rng.uniform(0.4, 1.0))
+    return ndimage.gaussian_filter(stain, 0.8)
+
+
+@pytest.mark.parametrize("ink", [45.0, 105.0])
+@pytest.mark.parametrize("kind", ["foxing", "tide line"])
+def test_brown_stains_with_sharp_edges_are_none(kind: str, ink: float) -> None:
+    """Beside strokes and across them: the strokes stay, as they do without."""
+    light = np.array([222.0, 208.0, 180.0]) * np.exp(
+        -brown_stains(kind)[..., None] * [0.55, 0.8, 1.1]
+    )
+    bars = (60, 420, 180, 205), (60, 420, 300, 325), (250, 275, 40, 160)
+    inked = np.zeros((500, 400))
+    for top, bottom, left, right in bars:
+        inked[top:bottom, left:right] = 1.0
+    inked = ndimage.gaussian_filter(inked, 0.8)[..., None]
+    light += inked * (np.minimum(light, ink) - light)
+    light += 2.0 * np.random.default_rng(5).standard_normal((500, 400, 1))
+    sheet = copy_sheet(np.clip(light, 0, 255).astype(np.uint8), "s", Asked(whole=True))
+    assert sum(len(piece.glyph.strokes) for piece in sheet.page.pieces) == 3
+    assert max(left_out(sheet, bar) for bar in bars) < 0.06
+    assert [one for one in sheet.notes if "stain" in one]
+
+
 def test_all_that_is_too_small_is_said() -> None:
     with pytest.raises(InputError, match="all pieces of ink on the sheet are smaller"):
         copy_sheet(stained(), "a.png", Asked(whole=True, least=9.0))
@@ -380,6 +427,26 @@ def test_counters_stay_open_beside_flying_white() -> None:
     for k in range(3):
         assert not sheet.ink.body[81 + 26 * k : 85 + 26 * k, 50:74].any()
     assert sheet.ink.body[60:150, 100:118].mean() > 0.95
+
+
+@pytest.mark.parametrize("ink", [10, 60])
+def test_the_crossing_of_strokes_that_fill_the_sheet_is_no_shadow(ink: int) -> None:
+    codes = np.full((420, 420, 3), 250, np.uint8)
+    codes[160:212, 50:370] = codes[50:370, 180:232] = ink
+    sheet = copy_sheet(codes, "s", Asked(whole=True))
+    assert sheet.ink.mask[162:210, 182:230].all()
+
+
+def test_counters_of_print_stay_open_between_thin_bars() -> None:
+    """Bars a fifth as wide as the stems that they join are no hairs of a dry stroke."""
+    codes = np.full((400, 300, 3), 255, np.uint8)
+    for left in (50, 133, 216):
+        codes[60:340, left : left + 38] = 0
+    for top in (80, 119, 158, 197, 236):
+        codes[top : top + 7, 50:254] = 0
+    sheet = copy_sheet(codes, "s", Asked(whole=True))
+    gaps = [sheet.ink.body[top + 13 : top + 33, 95:126] for top in (80, 119, 158, 197)]
+    assert not any(gap.any() for gap in gaps)
 
 
 def cut_up(text: str, apart: float) -> np.ndarray:

@@ -176,13 +176,18 @@ def test_boxes_laid_side_by_side_are_those_laid_alone(cap):
         assert np.array_equal(alone.chart.tangents(at), square.chart.tangents(at))
 
 
-def test_of_many_boxes_the_first_pair_that_overlaps_is_named(cap):
-    """Wherever on the surface it lies: the number of the box counts, not its place."""
+@pytest.mark.parametrize("name", ["cap", "plane"])
+def test_of_many_boxes_the_first_pair_that_overlaps_is_named(name, request):
+    """Wherever on the surface it lies: the number of the box counts, not its place.
+
+    A plane along the axes gives boxes without any thickness.
+    """
+    surface = request.getfixturevalue(name)
     rng = np.random.default_rng(5)
     for spread in [(22.0, 22.0), (22.0, 2.0), (2.0, 22.0)]:
         places = rng.uniform(-1.0, 1.0, (40, 2)) * spread
-        frames = [frame_at(cap, (x, y, 75.0), (0, 1, 0)) for x, y in places]
-        squares = lay_squares(cap, frames, 3.0, [(3.0, 3.0)] * 40)
+        frames = [frame_at(surface, (x, y, 75.0), (0, 1, 0)) for x, y in places]
+        squares = lay_squares(surface, frames, 3.0, [(3.0, 3.0)] * 40)
         for most in (0.2, 1.0, 2.0):
             pairs = (
                 (k, other)

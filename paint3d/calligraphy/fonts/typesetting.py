@@ -159,6 +159,8 @@ def _order_marks(
     marks: Sequence[list[_Part]], body: Sequence[_Part], glyphs: Sequence[ShapedGlyph]
 ) -> list[list[_Part]]:
     """Marks letter by letter, of each those nearest to the body first, row by row as one reads."""
+    if len(marks) < 2:
+        return list(marks)
     middle = _union(body).centroid.y
 
     def turn(mark: list[_Part]) -> tuple[int, int, float]:
@@ -207,7 +209,8 @@ def _group_touching(parts: Sequence[_Part], bases: Sequence[int]) -> list[list[_
 def _union(parts: Sequence[_Part]) -> MultiPolygon:
     from shapely import unary_union
 
-    return as_multipolygon(unary_union([part.shape for part in parts]))
+    shapes = [part.shape for part in parts]
+    return as_multipolygon(shapes[0] if len(shapes) == 1 else unary_union(shapes))
 
 
 # ---- Line breaks ---------------------------------------------------------------------------------

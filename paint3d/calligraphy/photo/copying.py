@@ -29,6 +29,7 @@ from paint3d.calligraphy.photo.dryness import dryness_along, region_of, strength
 from paint3d.calligraphy.photo.flat_page import FlatPage, on_sheet
 from paint3d.calligraphy.photo.ink_mask import (
     InkMask,
+    drop_brown,
     find_carved,
     find_ink,
     invert_rubbing,
@@ -95,8 +96,8 @@ class Asked:
     least : float
         Of the square of a character's size: smaller bits of ink are no strokes.
     darker : float, optional
-        Of the light that the ink takes, 0 to 1: what takes less is no ink. Without it, blots with
-        soft edges are stains.
+        Of the light that the ink takes, 0 to 1: what takes less is no ink. Without it, blots that
+        are brown or have soft edges are stains.
     """
 
     corners: AnyArray | None = None
@@ -201,6 +202,9 @@ def copy_sheet(
     if not asked.invert:
         check_ground(sheet)
         check_exposure(sheet, paper)
+    n_brown = 0
+    if not asked.invert and asked.darker is None:
+        reflected, n_brown = drop_brown(reflected, sheet)
     inks = invert_rubbing(sheet) if asked.invert else unmix_inks(reflected)
     ink = (find_carved if asked.invert else find_ink)(inks.black, asked.darker)
     characters = _find_characters(ink, asked)
@@ -228,9 +232,10 @@ def copy_sheet(
         red=inks.red,
     )  # fmt: skip
     stains = Message(
-        "a blot with soft edges was taken for a stain of the paper and left out",
-        "{n} blots with soft edges were taken for stains of the paper and left out",
-        n=ink.stains,
+        "a blot that is brown or has soft edges was taken for a stain of the paper and left out",
+        "{n} blots that are brown or have soft edges were taken for stains of the paper and left "
+        "out",
+        n=n_brown + ink.stains,
     )
     along_edge = Message(
         "a white piece along the edge of the sheet was taken for no stroke and left out: give "
@@ -242,7 +247,7 @@ def copy_sheet(
     notes = (
         _note_on_others(corners, others),
         _note_on_ground(sheet) if asked.invert else None,
-        stains if ink.stains else None,
+        stains if n_brown + ink.stains else None,
         along_edge if ink.along_edge else None,
         _note_on_lost_ink(copied),
     )

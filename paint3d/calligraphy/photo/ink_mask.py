@@ -21,6 +21,7 @@ __all__ = [
     "InkMask",
     "Inks",
     "bodies_in",
+    "drop_brown",
     "find_carved",
     "find_ink",
     "invert_rubbing",
@@ -50,6 +51,7 @@ _GRAIN, _TURN = 0.06, 0.4  # widths over which edges are seen, and the way of th
 _HOLE = 0.3  # squares of a width: smaller holes belong to the stroke
 _SLIT = 0.1  # widths: half of that of a filled gap that may be a counter
 _THICK, _STREAKY = 0.28, 0.5  # of a width: half of ink that is no hair's; hairs' part of a rim
+_ROOM, _THIN_BARS = 0.3, 0.75  # of a width: half of gaps as wide as a counter; the same of theirs
 _NARROW = 0.4  # widths: half of that of a hole among streaks that does, too
 
 
@@ -120,9 +122,9 @@ def _find_counters(filled: AnyArray, mask: AnyArray, width: float) -> NDArray[np
     beside = binary_dilation(mask & ~thick, iterations=2)
     rim = np.where(filled & (distance_transform_edt(filled) <= 1.5), gaps, 0)
     streaky = mean(beside, rim, each)
-    wide = maximum(distance_transform_edt(filled), gaps, each) > _SLIT * width
+    half = maximum(distance_transform_edt(filled), gaps, each) / width
     large = np.bincount(gaps.ravel()) > _HOLE * width**2
-    open_ = wide & large & (streaky < _STREAKY)
+    open_ = (half > _SLIT) & large & (streaky < np.where(half > _ROOM, _THIN_BARS, _STREAKY))
     open_[0] = False
     result: NDArray[np.bool_] = open_[gaps]
     return result
@@ -355,11 +357,11 @@ def _without_broad_stains(
     each = np.arange(n + 1)
     steep = gaussian_gradient_magnitude(density, _LENS_EDGE)
     usual = np.percentile(density[near], 75.0) / np.percentile(steep[edges], 100.0 - _SHARP)
-    rim = (pieces > 0) & ~binary_erosion(pieces > 0)
+    darkest = maximum(opened, pieces, each)
+    half = (pieces > 0) & (opened > 0.5 * darkest[pieces])  # an edge's foot is soft in ink, too
+    rim = half & ~binary_erosion(half)
     steep = gaussian_gradient_magnitude(opened, _LENS_EDGE)
-    softness = maximum(opened, pieces, each) / np.maximum(
-        median(steep, np.where(rim, pieces, 0), each), 1e-4
-    )
+    softness = darkest / np.maximum(median(steep, np.where(rim, pieces, 0), each), 1e-4)
     stained = softness > _VERY_SOFT * usual
     stained[0] = False
     taken_off = np.where(stained[pieces], opened, 0.0)
@@ -670,7 +672,12 @@ _BLACK = np.ones(3) / np.sqrt(3.0)
 _CINNABAR = np.array([0.08, 0.85, 0.75])  # densities in red, green and blue light
 _COLOURED = 0.18  # by how much the density in green and blue exceeds that in red on a seal
 _MOST_RED = 0.55  # of the density in green: in red light a red seal is hardly seen
-_FEW = 2e-4  # of the sheet: fewer coloured pixels are no seal
+_FEW = 2e-4  # of the sheet: fewer coloured pixels are no seal, and no stain
+_CHROMA = 1.0  # pixels over which the colour of stains is seen
+_BROWN = 0.75  # of the ink's density in red over that in blue: less is brown
+_SEAL = 0.75  # of the way from the density in red to that in blue, where that in green lies
+_CODE, _WARMER = 1.0 / 2.2, 0.0  # power from light to codes; of these, red over blue on a stain
+_LEAST_BROWN = 75.0  # per cent of what is dark are browner than the ink
 _DARKEST, _BRIGHTEST = 4e-3, 1.25  # fractions of the paper's light
 
 
@@ -710,6 +717,48 @@ def unmix_inks(reflected: NDArray[np.float32]) -> Inks:
     )
     scale = np.float32(1.0 / np.sqrt(3.0))
     return Inks((black * scale).astype(np.float32), (red * scale).astype(np.float32))
+
+
+def drop_brown(
+    reflected: NDArray[np.float32], sheet: NDArray[np.float32]
+) -> tuple[NDArray[np.float32], int]:
+    """Take foxing and tide lines off a sheet by their colour: its light without, and how many.
+
+    They take more of blue light than of red, more than the ink does, and of green about halfway,
+    where a seal takes as much of green as of blue. What is ink on them stays. Of a grey picture,
+    or where the ink itself is as brown, nothing is taken off; nor is a narrow stroke that has the
+    warm paper's colour, which compressed pictures smear: a stain has more of it.
+
+    Parameters
+    ----------
+    reflected : (H, W, 3) float32
+        As a fraction of the paper's light.
+    sheet : (H, W, 3) float32
+        Linear light.
+    """
+    from scipy.ndimage import binary_dilation, binary_opening, gaussian_filter, label
+
+    density = -np.log10(np.clip(reflected, _DARKEST, _BRIGHTEST))
+    smooth = gaussian_filter(density, (_CHROMA, _CHROMA, 0))
+    red, green, blue = np.moveaxis(smooth, 2, 0)
+    dark = smooth.mean(axis=2)
+    seen = (dark > _FAINTEST) & (blue > _FAINTEST)
+    if not seen.any():
+        return reflected, 0
+    darkest = seen & (dark >= np.median(dark[seen]))
+    ink = float(np.percentile(red[darkest] / blue[darkest], _LEAST_BROWN))
+    brown = seen & (red < _BROWN * ink * blue) & (green - red < _SEAL * (blue - red))
+    codes, bare = sheet**_CODE, (sheet / reflected) ** _CODE
+    warmer = gaussian_filter((codes - bare)[..., 0] - (codes - bare)[..., 2], _CHROMA)
+    brown &= warmer > _WARMER
+    brown = binary_opening(brown, np.ones((3, 3)))  # a lens fringes edges with colour
+    if brown.mean() < _FEW:
+        return reflected, 0
+    hue = np.array([*np.median(smooth[brown][:, :2] / blue[brown][:, None], axis=0), 1.0])
+    stain = np.clip((ink * blue - red) / (ink - hue[0]), 0.0, blue)
+    stain[~binary_dilation(brown, iterations=2)] = 0.0
+    clean = density - stain[..., None] * hue
+    return (10.0**-clean).astype(np.float32), int(label(brown, np.ones((3, 3)))[1])
 
 
 def _red_of(density: AnyArray) -> NDArray[np.float64]:

@@ -526,6 +526,8 @@ _WINDOW = 0.12  # of the longer side
 _NEAR = (0.008, 0.02, 0.06, 0.25)  # of the longer side: from where paper is taken, nearest first
 _ENOUGH = 0.25  # of paper within that distance
 _BLACK = 0.3  # of the light of bright paper around: darker than a shadow
+_NO_SHADOW = 0.08  # of the sheet's own light: darker than a shadow,
+_BROADEST = 0.2  # unless it is broader than that part of the longer side
 _RED = 1.35  # times the paper's own red over green and blue: a seal
 _NARROW = 0.05  # of the longer side: narrower dark pixels are ink, broader ones shadow
 _DARKER = 0.9  # of the paper's light
@@ -577,7 +579,13 @@ def _resize(plane: AnyArray, shape: tuple[int, ...]) -> NDArray[np.float32]:
 
 def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
     """Pixels without ink: ink is very dark, coloured, or narrow; a shadow is neither."""
-    from scipy.ndimage import binary_dilation, grey_closing, median_filter, percentile_filter
+    from scipy.ndimage import (
+        binary_dilation,
+        binary_opening,
+        grey_closing,
+        median_filter,
+        percentile_filter,
+    )
 
     longest = max(small.shape[:2])
     grey = small.mean(axis=2)
@@ -587,7 +595,10 @@ def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
     warmth = small[..., 0] / np.maximum(np.minimum(small[..., 1], small[..., 2]), _DARKEST)
     lit = grey > 0.7 * bright
     usual = float(np.median(warmth[lit])) if lit.any() else 1.0
-    inked = binary_dilation((grey < _BLACK * bright) | (warmth > _RED * usual), np.ones((3, 3)))
+    black = grey < _NO_SHADOW * np.percentile(grey, _SEEN_AS_PAPER)
+    black &= ~binary_opening(black, np.ones([max(3, round(_BROADEST * longest))] * 2))
+    black |= grey < _BLACK * bright
+    inked = binary_dilation(black | (warmth > _RED * usual), np.ones((3, 3)))
     bridged = _spread_light(grey[..., None], ~inked, longest)[..., 0]
     filled = np.where(inked, bridged, grey)
     size = max(3, round(_NARROW * longest))
