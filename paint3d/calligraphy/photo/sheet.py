@@ -581,9 +581,10 @@ def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
     """Pixels without ink: ink is very dark, coloured, or narrow; a shadow is neither."""
     from scipy.ndimage import (
         binary_dilation,
-        binary_opening,
         grey_closing,
+        maximum_filter,
         median_filter,
+        minimum_filter,
         percentile_filter,
     )
 
@@ -596,7 +597,9 @@ def _is_paper(small: AnyArray) -> NDArray[np.bool_]:
     lit = grey > 0.7 * bright
     usual = float(np.median(warmth[lit])) if lit.any() else 1.0
     black = grey < _NO_SHADOW * np.percentile(grey, _SEEN_AS_PAPER)
-    black &= ~binary_opening(black, np.ones([max(3, round(_BROADEST * longest))] * 2))
+    broadest = 2 * max(1, round(0.5 * _BROADEST * longest)) + 1  # a square, whose sides go apart
+    narrowed = minimum_filter(black, broadest, mode="constant")
+    black &= ~maximum_filter(narrowed, broadest, mode="constant")
     black |= grey < _BLACK * bright
     inked = binary_dilation(black | (warmth > _RED * usual), np.ones((3, 3)))
     bridged = _spread_light(grey[..., None], ~inked, longest)[..., 0]
