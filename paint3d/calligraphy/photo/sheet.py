@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -629,6 +630,7 @@ def _spread_light(small: AnyArray, is_paper: AnyArray, longest: int) -> NDArray[
     return total
 
 
+@lru_cache(maxsize=16)  # a sheet is looked at twice, at four widths
 def blur_matrix(n: int, sigma: float) -> NDArray[np.float64]:
     """Weights of n pixels in a row in each other when they are blurred by a Gaussian.
 
