@@ -292,9 +292,9 @@ def test_lines_are_walked_no_farther_than_asked(monkeypatch: pytest.MonkeyPatch)
     whole = walk(surface, start, (0, 0, 1), (1.0, 0.0))
     places = [0.0, 3.0, 21.7, whole.length - 0.1, whole.length, whole.length + 4.0, -2.0]
     expected = [whole.at(distance).tolist() for distance in places if whole.closed]
-    find = ClosestPoints.find
+    find = ClosestPoints.find_checked
     monkeypatch.setattr(
-        ClosestPoints, "find", lambda self, points: asked.append(1) or find(self, points)
+        ClosestPoints, "find_checked", lambda self, points: asked.append(1) or find(self, points)
     )
     line = walk(surface, start, (0, 0, 1), (1.0, 0.0))
     assert line.reaches(20.0)
@@ -307,7 +307,7 @@ def test_lines_are_walked_no_farther_than_asked(monkeypatch: pytest.MonkeyPatch)
 def test_a_line_whose_walk_was_interrupted_is_as_long_as_before(monkeypatch: pytest.MonkeyPatch):
     surface, asked = body("bowl"), []
     start = place(surface, (0.5, 0.5))
-    length, find = walk(surface, start, (0, 0, 1), (1.0, 0.0)).length, ClosestPoints.find
+    length, find = walk(surface, start, (0, 0, 1), (1.0, 0.0)).length, ClosestPoints.find_checked
 
     def interrupted(self, points):
         asked.append(1)
@@ -315,7 +315,7 @@ def test_a_line_whose_walk_was_interrupted_is_as_long_as_before(monkeypatch: pyt
             raise KeyboardInterrupt
         return find(self, points)
 
-    monkeypatch.setattr(ClosestPoints, "find", interrupted)
+    monkeypatch.setattr(ClosestPoints, "find_checked", interrupted)
     line = walk(surface, start, (0, 0, 1), (1.0, 0.0))
     with pytest.raises(KeyboardInterrupt):
         line.reaches(20.0)
@@ -323,7 +323,7 @@ def test_a_line_whose_walk_was_interrupted_is_as_long_as_before(monkeypatch: pyt
 
 
 def test_threads_may_ask_the_same_line(monkeypatch: pytest.MonkeyPatch):
-    surface, find, both = body("bowl"), ClosestPoints.find, Barrier(2)
+    surface, find, both = body("bowl"), ClosestPoints.find_checked, Barrier(2)
     start = place(surface, (0.5, 0.5))
     lengths = {walk(surface, start, (0, 0, 1), (1.0, 0.0)).length}
     line = walk(surface, start, (0, 0, 1), (1.0, 0.0))
@@ -336,7 +336,7 @@ def test_threads_may_ask_the_same_line(monkeypatch: pytest.MonkeyPatch):
         both.wait()
         return line.length
 
-    monkeypatch.setattr(ClosestPoints, "find", slow)
+    monkeypatch.setattr(ClosestPoints, "find_checked", slow)
     with ThreadPoolExecutor(2) as threads:
         assert set(threads.map(length, range(2))) == lengths
 

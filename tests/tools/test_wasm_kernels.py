@@ -26,7 +26,7 @@ SYMBOLS = {
     "radial": "paint3d_mesh_kernels_topology_link_radial_0",
     "measures": "paint3d_mesh_kernels_topology_measure_faces_0",
     "bands": "paint3d_colour_kernels_kubelka_munk_layer_bands_0",
-    "drag": "paint3d_brush_engine_tuft_drag_length_0",
+    "drag": "paint3d_brush_engine_drag_drag_length_0",
 }
 needs_zig = pytest.mark.skipif(
     importlib.util.find_spec("ziglang") is None, reason="pip install 'paint3d[page]': no ziglang"
